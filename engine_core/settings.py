@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a render is asked for: a NamedTuple of numbers, handed to kernels as an argument.
+
+A global of a module would be frozen when a kernel is compiled.
+"""
+
+from enum import IntEnum
+from typing import NamedTuple
+
+
+class IntegratorKind(IntEnum):
+    BRUTE_FORCE = 0  # scatters by the material alone; finds lights by luck
+    PATH = 2  # light sampling and scattering, weighted by MIS
+
+
+class FilterKind(IntEnum):
+    BOX = 0
+    GAUSSIAN = 1
+    BLACKMAN_HARRIS = 2
+
+
+class Settings(NamedTuple):
+    """Defaults are those of Cycles where it has the same setting, so that pictures can be compared."""
+
+    width: int = 512  # of the whole frame, in pixels
+    height: int = 512
+    crop_x: int = 0  # the part of the frame that is rendered: the film's lower left pixel and size
+    crop_y: int = 0
+    crop_width: int = 512
+    crop_height: int = 512
+    samples: int = 128
+    seed: int = 0
+    integrator: int = IntegratorKind.PATH
+    max_bounces: int = 12
+    diffuse_bounces: int = 4
+    glossy_bounces: int = 4
+    transmission_bounces: int = 12
+    transparent_bounces: int = 8
+    min_bounces: int = 3  # before Russian roulette may end a path
+    reflective_caustics: int = 1
+    refractive_caustics: int = 1
+    clamp_direct: float = 0.0  # 0: off; else the largest radiance that one sample may bring
+    clamp_indirect: float = 0.0
+    filter_kind: int = FilterKind.BLACKMAN_HARRIS
+    filter_width: float = 1.5  # in pixels
+    transparent_background: int = 0  # 1: camera rays that miss leave alpha 0
+    exposure: float = 1.0

@@ -1,0 +1,283 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The contract: the dtype of every row, and `Scene`, which is all that a kernel may read.
+
+Units are Blender's: metres, watts, radians; colours are linear, scene-referred, in Blender's working space.
+Directions and frames are right-handed, z up. A row number of -1 means "none".
+"""
+
+from enum import IntEnum, IntFlag
+
+import numpy as np
+
+from .linalg.records import Tables
+
+
+class TreeKind(IntEnum):
+    """What the leaves of a tree hold."""
+
+    TRIANGLES = 0  # packets of four triangles
+    SHAPES = 1  # analytic shapes, rows of SHAPE
+    INSTANCES = 2  # rows of INSTANCE, each with a tree of its own
+
+
+class ShapeKind(IntEnum):
+    """Analytic shapes. `p` is the centre of each."""
+
+    SPHERE = 0  # radius
+    QUAD = 1  # half edges u and v, front along u x v; a rectangle
+    DISK = 2  # half axes u and v, front along u x v; an ellipse
+    FACING_DISK = 3  # radius; turned towards whoever looks: Blender's soft point and spot lights
+
+
+class LobeKind(IntEnum):
+    """How a lobe scatters; each has its file in `bsdf/`."""
+
+    DIFFUSE = 0  # Lambert
+    CONDUCTOR = 1  # GGX reflection, Fresnel of a metal
+    DIELECTRIC = 2  # GGX reflection and refraction, Fresnel of glass
+    REFRACTION = 3  # GGX refraction alone, without Fresnel
+    COATING = 4  # GGX reflection, Fresnel of a dielectric: the varnish over a Principled base
+    TRANSPARENT = 5  # straight through
+    TRANSLUCENT = 6  # Lambert, out of the other side
+
+
+class FresnelKind(IntEnum):
+    """How a conductor's reflectance depends on the angle."""
+
+    CONSTANT = 0  # f0 at every angle: Glossy
+    F82 = 1  # f0 at 0 degrees, tinted by f82 at 82 degrees: Principled metal, Metallic (Kutz et al. 2021)
+    CONDUCTOR = 2  # complex index of refraction f0 + i f82: physical Metallic
+
+
+class LightKind(IntEnum):
+    """Emitters that can be sampled; each has its file in `light/`."""
+
+    POINT = 0  # a sphere, or a facing disk, or with no radius a point
+    SPOT = 1  # a point in a cone
+    SUN = 2  # a disk of directions
+    QUAD = 3  # a rectangular area light
+    DISK = 4  # an elliptic area light
+    TRIANGLE = 5  # a triangle of an emissive mesh
+    BACKGROUND = 6  # the world
+    SPHERE = 7  # an emissive analytic sphere of the scene (not a lamp: it blocks light and is opaque)
+
+
+class CameraKind(IntEnum):
+    PERSPECTIVE = 0
+    ORTHOGRAPHIC = 1
+
+
+class Visibility(IntFlag):
+    """Which rays see an object or a lamp, by the scattering that sent the ray."""
+
+    CAMERA = 1
+    DIFFUSE = 2
+    GLOSSY = 4
+    TRANSMISSION = 8
+    SCATTER = 16
+    SHADOW = 32
+    ALL = 63
+
+
+class MaterialFlag(IntFlag):
+    EMISSIVE = 1  # emission is not black
+    TRANSPARENT = 2  # has a TRANSPARENT lobe: shadow rays pass, dimmed
+    ONE_SIDED = 4  # emits from the front of its faces only
+
+
+# ---- Geometry --------------------------------------------------------------------------------------------------------
+
+NODE = np.dtype(
+    [
+        ("bounds", "f4", (6, 8)),  # rows: min x y z, max x y z; a child a column; an empty one is +inf, -inf
+        ("child", "i4", (8,)),  # >= 0: a node; < 0: a leaf, ~(first * 4 + count - 1), first a row by the tree's kind:
+        # a PACKET, a SHAPE or an INSTANCE
+    ]
+)
+PACKET = np.dtype(
+    [  # four triangles, side by side for SIMD; missing ones have prim -1 and no area
+        ("v0", "f4", (3, 4)),
+        ("e1", "f4", (3, 4)),  # v1 - v0
+        ("e2", "f4", (3, 4)),  # v2 - v0
+        ("prim", "i4", (4,)),  # row of TRIANGLE
+    ]
+)
+TRIANGLE = np.dtype(
+    [  # what shading needs of a triangle; positions stand here as the mesh has them
+        ("p", "f4", (3, 3)),  # corners
+        ("n", "f4", (3, 3)),  # unit shading normals at the corners
+        ("uv", "f4", (3, 2)),
+        ("slot", "i4"),  # material slot of the object
+        ("instance", "i4"),  # row of INSTANCE if positions are in world space already, else -1: ask the hit
+        ("light", "i4"),  # rank among the emissive triangles of the object, or -1
+    ]
+)
+SHAPE = np.dtype(
+    [
+        ("kind", "i4"),  # ShapeKind
+        ("p", "f4", (3,)),
+        ("u", "f4", (3,)),
+        ("v", "f4", (3,)),
+        ("radius", "f4"),
+        ("slot", "i4"),
+        ("instance", "i4"),  # as in TRIANGLE
+        ("light", "i4"),  # a lamp: row of LIGHT; else as in TRIANGLE
+    ]
+)
+INSTANCE = np.dtype(
+    [
+        ("to_world", "f4", (3, 4)),
+        ("to_object", "f4", (3, 4)),
+        ("kind", "i4"),  # TreeKind of its tree: TRIANGLES or SHAPES
+        ("root", "i4"),  # row of NODE, or -1 if its geometry is in the world's own trees
+        ("slots", "i4"),  # row of SLOT of material slot 0
+        ("lights", "i4"),  # row of LIGHT of its first emissive triangle or shape
+        ("visibility", "i4"),  # Visibility
+        ("pass_index", "i4"),
+        ("random", "f4"),  # 0 to 1, Blender's random number of the instance
+    ]
+)
+SLOT = np.dtype([("material", "i4")])
+
+# ---- Materials -------------------------------------------------------------------------------------------------------
+
+LOBE = np.dtype(
+    [  # one way to scatter; a material has up to eight
+        ("kind", "i4"),  # LobeKind
+        ("weight", "f4", (3,)),  # colour and mix factor; the albedo where the model has no Fresnel
+        ("alpha_x", "f4"),  # microfacet widths, roughness ** 2; 0 is a perfect mirror
+        ("alpha_y", "f4"),
+        ("ior", "f4"),  # inside over outside, as on the material; at a hit: far side over near side
+        ("fresnel", "i4"),  # FresnelKind
+        ("f0", "f4", (3,)),
+        ("f82", "f4", (3,)),
+        ("reflect_tint", "f4", (3,)),  # DIELECTRIC: colours of the two halves
+        ("refract_tint", "f4", (3,)),
+        ("multiscatter", "i4"),  # 1: compensate the energy that single scattering loses (Turquin 2019)
+        ("energy_scale", "f4"),  # at a hit: what that compensation came to
+        ("layer", "i4"),  # lobes of one layer number lie under the covering ones before them; 0: under none
+        ("covers", "i4"),  # 1: what this lobe reflects does not reach the later lobes of its layer
+        ("pmf", "f4"),  # at a hit: probability that sampling chooses this lobe
+    ]
+)
+MAX_LOBES = 8
+BSDF = np.dtype(
+    [  # how light scatters at one point: made at a hit by shader/, read by bsdf/
+        ("count", "i4"),
+        ("ng", "f4", (3,)),  # geometric normal and shading frame; all on the side of wo
+        ("n", "f4", (3,)),
+        ("s", "f4", (3,)),
+        ("t", "f4", (3,)),
+        ("lobes", LOBE, (MAX_LOBES,)),
+    ]
+)
+MATERIAL = np.dtype(
+    [
+        ("lobes", "i4"),  # first row of LOBE
+        ("lobe_count", "i4"),
+        ("emission", "f4", (3,)),  # radiance of the surface
+        ("transparency", "f4", (3,)),  # sum of the weights of its TRANSPARENT lobes
+        ("flags", "i4"),  # MaterialFlag
+        ("pass_index", "i4"),
+    ]
+)
+
+# ---- Light -----------------------------------------------------------------------------------------------------------
+
+LIGHT = np.dtype(
+    [
+        ("kind", "i4"),  # LightKind
+        ("p", "f4", (3,)),  # centre; TRIANGLE: first corner
+        ("u", "f4", (3,)),  # QUAD, DISK: half edges or half axes; TRIANGLE: edge from the first to the second corner;
+        ("v", "f4", (3,)),  # ... to the third; SPOT: axes across the cone, scaled, in units of 1 / the cone's half size
+        ("n", "f4", (3,)),  # unit: direction that an area light faces, a spot points, sunlight travels
+        ("radius", "f4"),
+        ("area", "f4"),
+        ("emission", "f4", (3,)),  # radiance; POINT, SPOT of radius 0: intensity; SUN of angle 0: irradiance
+        ("soft", "i4"),  # POINT, SPOT: 1: a facing disk; 0: a sphere
+        ("cos_angle", "f4"),  # SUN: cosine of half the angle of its disk; SPOT: of half the cone
+        ("blend", "f4"),  # SPOT: width of the smooth edge, in units of the cosine-like coordinate of light/spot.py
+        ("spread", "f4"),  # QUAD, DISK: half angle of the spread; pi / 2 is Lambertian
+        ("is_delta", "i4"),  # 1: no ray hits it by chance
+        ("two_sided", "i4"),
+        ("visibility", "i4"),  # Visibility
+        ("instance", "i4"),  # TRIANGLE, SPHERE: rows of what emits
+        ("prim", "i4"),
+        ("pmf", "f4"),  # probability to be selected, proportional to power
+        ("cdf", "f4"),  # sum of pmf up to and including this one
+    ]
+)
+
+# ---- The camera and the world ----------------------------------------------------------------------------------------
+
+CAMERA = np.dtype(
+    [
+        ("kind", "i4"),  # CameraKind
+        ("to_world", "f4", (3, 4)),  # looks along -z, y up; without scale
+        ("screen", "f4", (4,)),  # left, right, bottom, top of the frame at distance 1 (ORTHOGRAPHIC: in metres)
+        ("clip_start", "f4"),
+        ("clip_end", "f4"),
+        ("lens_radius", "f4"),  # 0: everything in focus
+        ("focus_distance", "f4"),  # along the axis
+        ("blades", "i4"),  # below 3: round
+        ("blade_rotation", "f4"),
+        ("aperture_ratio", "f4"),  # above 1: squeezed in x, an anamorphic lens
+    ]
+)
+WORLD = np.dtype(
+    [
+        ("triangle_root", "i4"),  # row of NODE; trees in world space: triangles and shapes of objects used once ...
+        ("shape_root", "i4"),
+        ("instance_root", "i4"),  # ... and the tree over all other instances
+        ("lamp_root", "i4"),  # shapes of lamps: seen by rays, in nobody's way
+        ("background", "f4", (3,)),  # radiance
+        ("background_light", "i4"),
+        ("background_visibility", "i4"),
+        ("suns", "i4"),  # row of LIGHT of the first sun; suns stand together
+        ("sun_count", "i4"),
+        ("light_count", "i4"),
+        ("transparent_shadows", "i4"),  # 1: some material lets shadow rays pass
+        ("centre", "f4", (3,)),  # of a ball around everything
+        ("radius", "f4"),
+    ]
+)
+
+
+class Scene(Tables):
+    """Everything about the scene that a kernel may read. `world` and `camera` have one row."""
+
+    nodes = NODE
+    packets = PACKET
+    triangles = TRIANGLE
+    shapes = SHAPE
+    instances = INSTANCE
+    slots = SLOT
+    materials = MATERIAL
+    lobes = LOBE
+    lights = LIGHT
+    camera = CAMERA
+    world = WORLD
+
+
+# ---- The film --------------------------------------------------------------------------------------------------------
+
+PIXEL = np.dtype(
+    [  # sums over samples
+        ("radiance", "f4", (3,)),
+        ("even", "f4", (3,)),  # radiance of the samples 0, 2, 4 ...: two halves that differ tell the error
+        ("alpha", "f4"),
+        ("depth", "f4"),  # of the first sample
+        ("normal", "f4", (3,)),
+        ("albedo", "f4", (3,)),
+        ("position", "f4", (3,)),  # of the first sample
+        ("samples", "i4"),
+    ]
+)
+CONTROL = np.dtype([("cancel", "i4")])  # set to 1 by any thread: kernels stop at the next row of pixels
+
+
+class Film(Tables):
+    """Where radiance lands: `width * height` pixels, bottom row first, and the flag that stops kernels."""
+
+    pixels = PIXEL
+    control = CONTROL
