@@ -189,17 +189,20 @@ LIGHT = np.dtype(
         ("kind", "i4"),  # LightKind
         ("p", "f4", (3,)),  # centre; TRIANGLE: first corner
         ("u", "f4", (3,)),  # QUAD, DISK: half edges or half axes; TRIANGLE: edge from the first to the second corner;
-        ("v", "f4", (3,)),  # ... to the third; SPOT: axes across the cone, scaled, in units of 1 / the cone's half size
-        ("n", "f4", (3,)),  # unit: direction that an area light faces, a spot points, sunlight travels
+        ("v", "f4", (3,)),  # ... to the third; SPOT: see n
+        ("n", "f4", (3,)),  # unit: direction that an area light faces (u x v), a spot points, sunlight travels. SPOT:
+        # a direction w from the lamp is (w.u, w.v, w.n) in the space where its cone is round and its cosine counts
         ("radius", "f4"),
         ("area", "f4"),
-        ("emission", "f4", (3,)),  # radiance; POINT, SPOT of radius 0: intensity; SUN of angle 0: irradiance
+        ("emission", "f4", (3,)),  # radiance, straight ahead where it depends on the angle; is_delta: POINT, SPOT: radiant
+        # intensity; SUN, QUAD, DISK: irradiance
         ("soft", "i4"),  # POINT, SPOT: 1: a facing disk; 0: a sphere
-        ("cos_angle", "f4"),  # SUN: cosine of half the angle of its disk; SPOT: of half the cone
-        ("blend", "f4"),  # SPOT: width of the smooth edge, in units of the cosine-like coordinate of light/spot.py
-        ("spread", "f4"),  # QUAD, DISK: half angle of the spread; pi / 2 is Lambertian
-        ("is_delta", "i4"),  # 1: no ray hits it by chance
-        ("two_sided", "i4"),
+        ("height", "f4"),  # SUN: 1 - cosine of half the angle of its disk; float32 has no digits left in the cosine
+        ("cos_angle", "f4"),  # SPOT: cosine of half the cone
+        ("blend", "f4"),  # SPOT: smoothstep((cosine - cos_angle) * blend) dims its edge; infinite: a sharp edge
+        ("spread", "f4"),  # QUAD, DISK: tangent of the half angle that it shines into; infinite: Lambertian
+        ("is_delta", "i4"),  # 1: no ray hits it by chance: radius 0, angle 0, spread 0
+        ("two_sided", "i4"),  # TRIANGLE, SPHERE
         ("visibility", "i4"),  # Visibility
         ("instance", "i4"),  # TRIANGLE, SPHERE: rows of what emits
         ("prim", "i4"),
