@@ -2,7 +2,8 @@
 """Vec3: three float32 with real operators. Points, directions, normals and colours.
 
 In a kernel it is one LLVM vector of four floats, so that `o + d * t` is two instructions and reads as the formula;
-in plain Python it is a small class with the same operators. A product of two Vec3 is taken by component, as colours need.
+in plain Python it is a small class with the same operators. The product of two Vec3 is taken by component,
+as colours need.
 
 The rows of the scene's tables hold vectors as ("f4", (3,)); `load3` and `store3` move them in and out.
 """

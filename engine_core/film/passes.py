@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The film on the host: making it, and reading pictures from its sums. Passes carry Cycles' names."""
+
+import numpy as np
+
+from ..tables import CONTROL, PIXEL, Film
+
+NO_DEPTH = 1e10  # what the depth pass says where nothing was hit, as in Cycles
+
+
+def make_film(width, height):
+    """An empty film of `width` x `height` pixels."""
+    film = Film(pixels=np.zeros(width * height, PIXEL), control=np.zeros(1, CONTROL))
+    film.width, film.height = width, height
+    return film
+
+
+def pixels(film, tile=None):
+    """The pixels as a (height, width) recarray; of the `tile` (x, y, width, height) if given. Bottom row first."""
+    grid = film.pixels.reshape(film.height, film.width)
+    if tile is not None:
+        x, y, width, height = tile
+        grid = grid[y : y + height, x : x + width]
+    return grid
+
+
+def image(film, name, tile=None):
+    """The pass `name` as float32 (height, width, channels), bottom row first.
+
+    Colours are linear and premultiplied by alpha. Raises KeyError for a pass that there is not.
+    """
+    return PASSES[name][1](pixels(film, tile))
+
+
+def error_estimate(film):
+    """Relative error of the picture: the root of the mean of error^2 / (radiance^2 + 0.01), as a fraction.
+
+    The error of a pixel is known from its even and its odd samples, two pictures that are independent of each other:
+    half of their difference has the variance of their mean. NaN while a pixel has less than two samples.
+    """
+    n = film.pixels["samples"].astype(np.float32)
+    if n.size == 0 or n.min() < 2:
+        return float("nan")
+    even_count, odd_count = np.ceil(n / 2), np.floor(n / 2)
+    even = film.pixels["even"].mean(axis=-1) / even_count
+    mean = film.pixels["radiance"].mean(axis=-1) / n
+    odd = (mean * n - even * even_count) / odd_count
+    return float(np.sqrt(np.mean((0.5 * (even - odd)) ** 2 / (mean**2 + 0.01))))
+
+
+def _mean(field):
+    def read(grid):
+        return grid[field] / np.maximum(grid["samples"], 1)[..., None].astype(np.float32)
+
+    return read
+
+
+def _combined(grid):
+    count = np.maximum(grid["samples"], 1)[..., None].astype(np.float32)
+    return np.concatenate([grid["radiance"], grid["alpha"][..., None]], axis=-1) / count
+
+
+def _direction(grid):
+    n = _mean("normal")(grid)
+    return n / np.maximum(np.linalg.norm(n, axis=-1, keepdims=True), 1e-12)
+
+
+# name: (channels, how to read it)
+PASSES = {
+    "Combined": ("RGBA", _combined),
+    "Depth": ("Z", lambda grid: np.ascontiguousarray(grid["depth"])[..., None]),
+    "Position": ("XYZ", lambda grid: np.ascontiguousarray(grid["position"])),
+    "Normal": ("XYZ", _direction),
+    "Denoising Albedo": ("RGB", _mean("albedo")),
+    "Denoising Normal": ("XYZ", _mean("normal")),
+    "Debug Sample Count": ("X", lambda grid: grid["samples"][..., None].astype(np.float32)),
+}

@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The kernel that renders a tile: samples of pixels, added to the film."""
+
+import numpy as np
+
+from ..camera.dispatch import generate_ray
+from ..film.filter import sample_filter
+from ..jit import kernel
+from ..linalg.transform import transform_point, transform_vector
+from ..linalg.vec3 import BLACK, Vec3, dot, load3, store3
+from ..sampling.sobol import make_sampler, sample_2d
+from .path import trace_path
+
+NO_DEPTH = np.float32(1e10)  # what Blender's depth pass says where nothing was hit
+Z_AXIS = Vec3(0.0, 0.0, 1.0)
+
+
+@kernel
+def render_tile(scene, settings, film, x0, y0, width, height, first_sample, count):
+    """Add the samples first_sample ... first_sample + count - 1 to each pixel of a tile.
+
+    `x0`, `y0`: the tile's lower left pixel on the film. Between two rows the kernel looks whether it was cancelled;
+    returns the number of rows that it finished.
+    """
+    camera = scene.camera[0]
+    scale_x, scale_y = 1.0 / np.float32(settings.width), 1.0 / np.float32(settings.height)
+    for row in range(height):
+        if film.control[0].cancel != 0:
+            return row
+        y = y0 + row
+        for x in range(x0, x0 + width):
+            pixel = film.pixels[y * settings.crop_width + x]
+            frame_x, frame_y = x + settings.crop_x, y + settings.crop_y
+            radiance, even, normal, albedo = BLACK, BLACK, BLACK, BLACK
+            alpha = np.float32(0.0)
+            for index in range(first_sample, first_sample + count):
+                sampler = make_sampler(frame_x, frame_y, index, settings.seed)
+                u0, u1 = sample_2d(sampler, 0)
+                dx, dy = sample_filter(settings, u0, u1)
+                u0, u1 = sample_2d(sampler, 1)
+                ray = generate_ray(
+                    camera,
+                    (np.float32(frame_x) + 0.5 + dx) * scale_x,
+                    (np.float32(frame_y) + 0.5 + dy) * scale_y,
+                    u0,
+                    u1,
+                )
+                path = trace_path(scene, settings, sampler, ray.o, ray.d)
+                L = path.L * settings.exposure
+                radiance = radiance + L
+                if index % 2 == 0:
+                    even = even + L
+                alpha += path.alpha
+                normal = normal + path.normal
+                albedo = albedo + path.albedo
+                if index == 0:
+                    store3(pixel, "position", path.p)
+                    pixel.depth = depth_along_axis(camera, path.p) if path.hit else NO_DEPTH
+            store3(pixel, "radiance", load3(pixel, "radiance") + radiance)
+            store3(pixel, "even", load3(pixel, "even") + even)
+            store3(pixel, "normal", load3(pixel, "normal") + normal)
+            store3(pixel, "albedo", load3(pixel, "albedo") + albedo)
+            pixel.alpha += alpha
+            pixel.samples += count
+    return height
+
+
+@kernel
+def depth_along_axis(camera, p):
+    """Distance of `p` from the camera along the direction that it looks, as Blender's Depth pass has it."""
+    back = transform_vector(camera, "to_world", Z_AXIS)
+    eye = transform_point(camera, "to_world", BLACK)
+    return dot(eye - p, back)

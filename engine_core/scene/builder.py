@@ -1,0 +1,269 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""SceneBuilder: say what is in the scene, get the tables that kernels read.
+
+    b = SceneBuilder()
+    red = b.material("Red", Diffuse((0.8, 0.1, 0.1)))
+    ball = b.spheres("Ball", centres=[(0, 0, 1)], radii=[1.0])
+    b.instance(ball, materials=[red])
+    b.background((0.5, 0.7, 1.0))
+    b.camera(look_at((0, -6, 2), (0, 0, 1)), perspective_screen(40, 16 / 9))
+    scene = b.build()
+
+Every call checks what it is given and raises SceneError with the name of the culprit. What can be rendered, but not as
+asked, is told in `warnings`.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..tables import CameraKind, LightKind, MaterialFlag, Visibility
+from . import assemble, checks, lamps
+from .materials import WHITE, Diffuse, lower
+
+IDENTITY = np.eye(4)
+
+
+@dataclass
+class Mesh:
+    """Triangles in object space."""
+
+    name: str
+    positions: np.ndarray  # float32 (v, 3)
+    triangles: np.ndarray  # int32 (n, 3)
+    normals: np.ndarray | None  # float32 (n, 3, 3); None: flat
+    uvs: np.ndarray | None  # float32 (n, 3, 2)
+    slots: np.ndarray | None  # int32 (n,)
+
+
+@dataclass
+class Spheres:
+    """Analytic spheres in object space."""
+
+    name: str
+    centres: np.ndarray  # float32 (n, 3)
+    radii: np.ndarray  # float32 (n,)
+
+
+@dataclass
+class Placement:
+    """A geometry that stands in the world."""
+
+    geometry: int
+    to_world: np.ndarray
+    materials: tuple
+    name: str
+    visibility: int
+    pass_index: int
+    random: float
+
+
+@dataclass
+class Material:
+    name: str
+    lobes: np.recarray
+    emission: np.ndarray
+    flags: int
+    pass_index: int
+
+
+class SceneBuilder:
+    """Collects a scene; `build` makes the tables. A builder may go on growing after `build` and be built again."""
+
+    def __init__(self):
+        self.materials, self.geometries, self.placements = [], [], []
+        self.lights, self.lamp_shapes = [], []
+        self.world_radiance, self.world_visibility = np.zeros(3), int(Visibility.ALL)
+        self.camera_row = None
+        self.warnings = []
+        # what Blender shows where an object has no material
+        self.default_material = self.material("(none)", Diffuse((0.8, 0.8, 0.8)))
+
+    # ---- Materials ----
+
+    def material(self, name, surface, pass_index=0, one_sided_emission=False):
+        """Add a material; `surface` is a closure of `scene.materials`. Returns its number, for `instance`."""
+        lobes, emission, dropped = lower(surface)
+        if dropped:
+            self._warn(name, f"has more than {len(lobes)} ways to scatter; left out the faintest: {', '.join(dropped)}")
+        for field in ("weight", "alpha_x", "ior", "f0", "f82"):
+            checks.array(name, f"lobes' {field}", lobes[field], np.float64, *([None] * lobes[field].ndim))
+        emission = checks.color(name, "emission", emission)
+        flags = MaterialFlag(0)
+        if emission.any():
+            flags |= MaterialFlag.EMISSIVE | (MaterialFlag.ONE_SIDED if one_sided_emission else 0)
+        self.materials.append(Material(name, lobes, emission, int(flags), int(pass_index)))
+        return len(self.materials) - 1
+
+    # ---- Geometry ----
+
+    def mesh(self, name, positions, triangles, normals=None, uvs=None, slots=None):
+        """Add a triangle mesh in object space. Returns its number, for `instance`.
+
+        Parameters
+        ----------
+        positions : float (v, 3), metres
+        triangles : int (n, 3), corners counter-clockwise seen from the front
+        normals : float (n, 3, 3) unit shading normals of the corners; None for flat shading
+        uvs : float (n, 3, 2)
+        slots : int (n,) material slot of each triangle
+        """
+        positions = checks.positions(name, "vertex positions", positions)
+        triangles = checks.indices(name, "triangle corners", triangles, len(positions), None, 3)
+        n = len(triangles)
+        if normals is not None:
+            normals = checks.array(name, "normals", normals, np.float32, n, 3, 3)
+        if uvs is not None:
+            uvs = checks.array(name, "UV coordinates", uvs, np.float32, n, 3, 2)
+        if slots is not None:
+            slots = checks.indices(name, "material slots", slots, 32768, n)
+        self.geometries.append(Mesh(name, positions, triangles, normals, uvs, slots))
+        return len(self.geometries) - 1
+
+    def spheres(self, name, centres, radii):
+        """Add analytic spheres in object space: float (n, 3) and (n,). Returns their number, for `instance`."""
+        centres = checks.positions(name, "sphere centres", centres)
+        radii = checks.array(name, "sphere radii", radii, np.float32, len(centres))
+        if radii.size and radii.min() < 0:
+            raise checks.SceneError(f"{name}: a sphere has radius {radii.min():g}")
+        kept = radii > 0
+        self.geometries.append(Spheres(name, centres[kept], radii[kept]))
+        return len(self.geometries) - 1
+
+    def instance(
+        self,
+        geometry,
+        to_world=IDENTITY,
+        materials=(),
+        name=None,
+        visibility=Visibility.ALL,
+        pass_index=0,
+        random=0.0,
+    ):
+        """Let a geometry stand in the world; any number of times.
+
+        `materials` has a number for each material slot; a slot beyond the last uses the last, as in Blender.
+        """
+        if not 0 <= geometry < len(self.geometries):
+            raise checks.SceneError(f"{name}: there is no geometry {geometry}")
+        name = name or self.geometries[geometry].name
+        materials = tuple(self.default_material if m is None else int(m) for m in materials)
+        if any(not 0 <= m < len(self.materials) for m in materials):
+            raise checks.SceneError(f"{name}: material numbers {materials}, there are {len(self.materials)}")
+        self.placements.append(
+            Placement(geometry, to_world, materials, name, int(visibility), int(pass_index), float(random))
+        )
+
+    # ---- Light ----
+
+    def point_light(self, name, position, power, radius=0.0, soft=True, visibility=Visibility.ALL):
+        """A lamp that shines all around. `power` (3,) W; `soft`: a disk that faces whoever looks, else a sphere."""
+        to_world = np.eye(4)
+        to_world[:3, 3] = position
+        self._add_lamp(lamps.point(name, to_world, power, radius, soft, visibility))
+
+    def spot_light(self, name, to_world, power, radius, angle, blend, soft=True, visibility=Visibility.ALL):
+        """A point light in a cone of full `angle` about -z; `blend` 0 to 1 softens its edge."""
+        self._add_lamp(lamps.spot(name, to_world, power, radius, angle, blend, soft, visibility))
+
+    def sun_light(self, name, direction, irradiance, angle=0.0, visibility=Visibility.ALL):
+        """Light that travels along `direction`, from a disk of full `angle`; `irradiance` (3,) W / m2 facing it."""
+        self._add_lamp(lamps.sun(name, direction, irradiance, angle, visibility))
+
+    def area_light(
+        self,
+        name,
+        to_world,
+        power,
+        size_x,
+        size_y,
+        shape="RECTANGLE",
+        spread=math.pi,
+        visibility=Visibility.ALL,
+    ):
+        """A rectangle or an ellipse in the xy plane that shines along -z. `power` (3,) W; `spread`: full angle."""
+        self._add_lamp(lamps.area(name, to_world, power, size_x, size_y, shape, spread, visibility))
+
+    def _add_lamp(self, lamp):
+        light, shape = lamp
+        if light is None:
+            return
+        if shape is not None:
+            shape["light"] = len(self.lights)
+            self.lamp_shapes.append(shape)
+        self.lights.append(light)
+
+    def background(self, radiance, visibility=Visibility.ALL):
+        """The world shines with `radiance` (3,) from everywhere."""
+        self.world_radiance = checks.color("World", "radiance", radiance)
+        self.world_visibility = int(visibility)
+
+    # ---- Camera ----
+
+    def camera(
+        self,
+        to_world,
+        screen,
+        kind="PERSPECTIVE",
+        lens_radius=0.0,
+        focus_distance=1.0,
+        blades=0,
+        blade_rotation=0.0,
+        aperture_ratio=1.0,
+        clip_start=0.0,
+        clip_end=np.inf,
+    ):
+        """Look along -z of `to_world`, y up. `screen`: left, right, bottom, top of the picture at distance 1 m
+        (ORTHOGRAPHIC: in metres)."""
+        matrix, regular = checks.transform("Camera", to_world)
+        if not regular:
+            raise checks.SceneError("Camera: its transform is flat; the camera, or a parent, is scaled to 0")
+        row = np.zeros(1, assemble.CAMERA)
+        row["kind"] = CameraKind[kind]
+        matrix[:, :3] /= np.linalg.norm(matrix[:, :3], axis=0)
+        row["to_world"] = matrix
+        row["screen"] = checks.array("Camera", "screen", screen, np.float32, 4)
+        row["lens_radius"] = checks.number("Camera", "lens radius", lens_radius, 0.0)
+        row["focus_distance"] = checks.number("Camera", "focus distance", focus_distance, 1e-9)
+        row["blades"], row["blade_rotation"] = int(blades), blade_rotation
+        row["aperture_ratio"] = checks.number("Camera", "aperture ratio", aperture_ratio, 1e-6)
+        row["clip_start"], row["clip_end"] = max(clip_start, 0.0), clip_end
+        self.camera_row = row
+
+    # ---- The tables ----
+
+    def build(self, progress=None):
+        """Make the Scene. `progress(fraction, text)` is called now and then.
+
+        Raises SceneError if there is no camera or a transform is not made of finite numbers.
+        """
+        if self.camera_row is None:
+            raise checks.SceneError("The scene has no camera")
+        return assemble.assemble(self, progress or (lambda fraction, text: None))
+
+    def _warn(self, name, text):
+        message = f"{name}: {text}"
+        if message not in self.warnings:
+            self.warnings.append(message)
+
+
+def look_at(eye, target, up=(0.0, 0.0, 1.0)):
+    """Matrix (4, 4) of a camera at `eye` that looks at `target`."""
+    eye, target, up = (np.asarray(v, float) for v in (eye, target, up))
+    back = eye - target
+    back /= np.linalg.norm(back)
+    right = np.cross(up, back)
+    right /= np.linalg.norm(right)
+    matrix = np.eye(4)
+    matrix[:3, 0], matrix[:3, 1], matrix[:3, 2], matrix[:3, 3] = right, np.cross(back, right), back, eye
+    return matrix
+
+
+def perspective_screen(field_of_view, aspect=1.0):
+    """Screen of a camera whose picture is `field_of_view` degrees wide and `aspect` times as wide as high."""
+    half = math.tan(math.radians(field_of_view) / 2.0)
+    return (-half, half, -half / aspect, half / aspect)
+
+
+__all__ = ["WHITE", "LightKind", "SceneBuilder", "look_at", "perspective_screen"]

@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Scene files: a Scene and its Settings in one file, for benchmarks, bug reports and machines without Blender.
+
+The file is a zip of numpy arrays (.npz), one for each table, and a header as JSON. Nothing in it is code or pickle, and
+what is read is checked before a kernel sees it.
+"""
+
+import json
+import zipfile
+from pathlib import Path
+
+import numpy as np
+
+from ..settings import Settings
+from ..tables import MAX_LOBES, Scene, TreeKind
+from .checks import SceneError
+
+FORMAT, VERSION = "lambent scene", 1
+
+
+def save_scene(path, scene, settings):
+    """Write `scene` and `settings` to the file `path`, compressed."""
+    header = {"format": FORMAT, "version": VERSION, "settings": settings._asdict()}
+    text = np.frombuffer(json.dumps(header, default=float).encode(), np.uint8)
+    # as plain bytes with a row's size: a dtype with sub-arrays would need numpy to evaluate its description
+    tables = {name: np.asarray(table).view(np.uint8) for name, table in scene.tables().items()}
+    with open(path, "wb") as file:
+        np.savez_compressed(file, header=text, **tables)
+
+
+def load_scene(path):
+    """Read (scene, settings) from the file `path`.
+
+    Raises SceneError, with the name of the file, if it is not such a file, of another version, or damaged.
+    """
+    name = Path(path).name
+    try:
+        with np.load(path, allow_pickle=False) as stored:
+            header = json.loads(stored["header"].tobytes().decode())
+            if header.get("format") != FORMAT:
+                raise SceneError(f"{name}: not a scene file of Lambent")
+            if header.get("version") != VERSION:
+                raise SceneError(f"{name}: written in version {header.get('version')}, this Lambent reads {VERSION}")
+            tables = {}
+            for table, dtype in Scene.dtypes().items():
+                raw = stored[table]
+                if raw.dtype != np.uint8 or raw.size % dtype.itemsize:
+                    raise SceneError(f"{name}: table {table} is damaged")
+                tables[table] = np.frombuffer(raw.tobytes(), dtype).copy()
+            settings = Settings(**header["settings"])
+    except (OSError, KeyError, ValueError, TypeError, zipfile.BadZipFile) as error:
+        if isinstance(error, (SceneError, FileNotFoundError)):
+            raise
+        raise SceneError(f"{name}: cannot be read as a scene file ({error})") from None
+    check_tables(name, tables)
+    return Scene(**tables), settings
+
+
+def check_tables(name, tables):
+    """Refuse tables whose row numbers lead outside: kernels follow them without looking."""
+
+    def within(what, numbers, table, none_allowed=True):
+        low = -1 if none_allowed else 0
+        if numbers.size and (numbers.min() < low or numbers.max() >= len(tables[table])):
+            raise SceneError(f"{name}: {what} lead outside of the table {table}")
+
+    if len(tables["world"]) != 1 or len(tables["camera"]) != 1:
+        raise SceneError(f"{name}: a scene has one world and one camera")
+    world, instances = tables["world"][0], tables["instances"]
+    kinds = _tree_kinds(name, tables)
+    leaf_tables = {TreeKind.TRIANGLES: "packets", TreeKind.SHAPES: "shapes", TreeKind.INSTANCES: "instances"}
+    for kind, table in leaf_tables.items():
+        leaves = kinds["leaves"][kind]
+        within("leaves", (~leaves >> 2) + (~leaves & 3), table, none_allowed=False)
+    within("packets", tables["packets"]["prim"], "triangles")
+    for table in ("triangles", "shapes"):
+        within(f"owners of {table}", tables[table]["instance"], "instances")
+    within("slots", tables["slots"]["material"], "materials", none_allowed=False)
+    within("lights of instances", instances["lights"], "lights")
+    materials = tables["materials"]
+    if len(materials) and (
+        materials["lobe_count"].min() < 0
+        or materials["lobe_count"].max() > MAX_LOBES
+        or materials["lobes"].min() < 0
+        or (materials["lobes"] + materials["lobe_count"]).max() > len(tables["lobes"])
+    ):
+        raise SceneError(f"{name}: lobes of materials lead outside of the table lobes")
+    if not 0 <= world["light_count"] <= len(tables["lights"]) or not (
+        0 <= world["suns"] and world["suns"] + world["sun_count"] <= len(tables["lights"])
+    ):
+        raise SceneError(f"{name}: lights of the world lead outside of the table lights")
+    within("the world's background", np.array([world["background_light"]]), "lights")
+
+
+def _tree_kinds(name, tables):
+    """Walk all trees from their roots. Returns the leaves by TreeKind; refuses cycles and numbers out of range."""
+    world, instances, nodes = tables["world"][0], tables["instances"], tables["nodes"]
+    leaves = {kind: np.zeros(0, np.int32) for kind in TreeKind}
+    roots = {
+        TreeKind.TRIANGLES: [world["triangle_root"], *instances["root"][instances["kind"] == TreeKind.TRIANGLES]],
+        TreeKind.SHAPES: [
+            world["shape_root"],
+            world["lamp_root"],
+            *instances["root"][instances["kind"] == TreeKind.SHAPES],
+        ],
+        TreeKind.INSTANCES: [world["instance_root"]],
+    }
+    if not np.isin(instances["kind"], (TreeKind.TRIANGLES, TreeKind.SHAPES)).all():
+        raise SceneError(f"{name}: an instance has a tree of an unknown kind")
+    for kind, numbers in roots.items():
+        level = np.unique(np.array(numbers, np.int64))
+        level = level[level != -1]
+        visited = 0
+        while len(level):
+            if level.min() < 0 or level.max() >= len(nodes):
+                raise SceneError(f"{name}: a tree leads outside of the table nodes")
+            visited += len(level)
+            if visited > len(nodes):
+                raise SceneError(f"{name}: a tree bites its own tail")
+            used = nodes["bounds"][level][:, 0] <= nodes["bounds"][level][:, 3]
+            children = nodes["child"][level][used]
+            leaves[kind] = np.concatenate([leaves[kind], children[children < 0]])
+            level = children[children >= 0]
+    return {"leaves": leaves}

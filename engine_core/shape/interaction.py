@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where a ray met the scene: from the few numbers of a Hit to all that shading needs."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..jit import kernel
+from ..linalg.transform import transform_normal, transform_point
+from ..linalg.vec3 import Vec3, cross, dot, load3_at, normalize
+from ..tables import TreeKind
+from . import dispatch
+
+
+class Interaction(NamedTuple):
+    p: Vec3  # world space
+    ng: Vec3  # unit geometric normal, on the side that the ray came from
+    ns: Vec3  # unit shading normal, likewise
+    u: float  # texture coordinates
+    v: float
+    instance: int  # row of INSTANCE
+    material: int  # row of MATERIAL
+    light: int  # row of LIGHT if this place emits and can be sampled, else -1
+    backfacing: bool  # the ray came from behind
+
+
+# The least cosine between a shading normal and the viewer. Interpolated normals turn away from the viewer near the
+# outline of a coarse mesh; bent back by this much, the outline keeps its shading instead of going black.
+LEAST_COSINE = np.float32(1e-3)
+
+
+@kernel
+def make_interaction(scene, hit, o, d):
+    """The Interaction of the ray o + t d, `d` unit, with what it hit."""
+    if hit.kind == TreeKind.TRIANGLES:
+        triangle = scene.triangles[hit.prim]
+        b1, b2 = hit.b1, hit.b2
+        b0 = 1.0 - b1 - b2
+        p0, p1, p2 = load3_at(triangle, "p", 0), load3_at(triangle, "p", 1), load3_at(triangle, "p", 2)
+        p = p0 * b0 + p1 * b1 + p2 * b2
+        ng = cross(p1 - p0, p2 - p0)
+        ns = load3_at(triangle, "n", 0) * b0 + load3_at(triangle, "n", 1) * b1 + load3_at(triangle, "n", 2) * b2
+        uv = triangle.uv
+        u = uv[0, 0] * b0 + uv[1, 0] * b1 + uv[2, 0] * b2
+        v = uv[0, 1] * b0 + uv[1, 1] * b1 + uv[2, 1] * b2
+        slot, owner, light = triangle.slot, triangle.instance, triangle.light
+    else:
+        shape = scene.shapes[hit.prim]
+        slot, owner, light = shape.slot, shape.instance, shape.light
+        if hit.instance >= 0:
+            through = scene.instances[hit.instance]
+            local_o = transform_point(through, "to_object", o)
+            p = transform_point(through, "to_object", o + d * hit.t)
+        else:
+            local_o = o
+            p = o + d * hit.t
+        p = dispatch.snap(shape, p)
+        ng = dispatch.geometric_normal(shape, local_o, p)
+        ns = ng
+        u, v = dispatch.uv(shape, p)
+
+    if hit.instance >= 0:  # its geometry is in object space
+        owner = hit.instance
+        through = scene.instances[hit.instance]
+        p = transform_point(through, "to_world", p)
+        ng = transform_normal(through, "to_object", ng)
+        ns = transform_normal(through, "to_object", ns)
+
+    row = scene.instances[owner]
+    material = scene.slots[row.slots + slot].material
+    if light >= 0 and row.lights >= 0:
+        light += row.lights
+    else:
+        light = -1
+
+    ng = normalize(ng)
+    ns = normalize(ns)
+    backfacing = dot(ng, d) > 0.0
+    if backfacing:
+        ng = -ng
+        ns = -ns
+    cosine = -dot(ns, d)
+    if cosine < LEAST_COSINE:
+        ns = normalize(ns - d * (LEAST_COSINE - cosine))
+    return Interaction(p, ng, ns, u, v, owner, material, light, backfacing)
