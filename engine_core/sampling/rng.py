@@ -35,6 +35,12 @@ def hash_combine(seed, x):
 
 
 @kernel
+def hash_float(a, b, c):
+    """A random number in [0, 1) that belongs to three integers of 32 bits."""
+    return to_unit_float(hash_combine(hash_combine(a, b), c))
+
+
+@kernel
 def next_random(state):
     """(new state, 32 random bits) of the generator PCG-RXS-M-XS-32 (O'Neill 2014); period 2 ** 32."""
     state = np.uint32(state)

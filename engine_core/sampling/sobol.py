@@ -29,14 +29,15 @@ class Sampler(NamedTuple):
     """One sample of one pixel: what all its random numbers are made of."""
 
     seed: np.uint32  # of the pixel
-    reversed_index: np.uint32  # number of the sample, bits reversed: the form in which every draw needs it
+    index: np.uint32  # number of the sample
+    reversed_index: np.uint32  # its bits reversed: the form in which every draw needs it
 
 
 @kernel
 def make_sampler(x, y, index, seed):
     """The sampler of sample `index` (0, 1, 2 ...) in pixel (x, y) of a picture with that seed."""
     pixel = np.uint32((np.uint32(y) << np.uint32(16)) ^ np.uint32(x))
-    return Sampler(hash_combine(hash_u32(np.uint32(seed)), pixel), reverse_bits(np.uint32(index)))
+    return Sampler(hash_combine(hash_u32(np.uint32(seed)), pixel), np.uint32(index), reverse_bits(np.uint32(index)))
 
 
 @kernel
