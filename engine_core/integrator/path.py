@@ -15,8 +15,7 @@ from ..jit import kernel
 from ..linalg.ray import offset_ray_origin
 from ..linalg.records import scratch_record
 from ..linalg.vec3 import BLACK, WHITE, Vec3, average, dot, is_black, max_component
-from ..sampling.rng import hash_float
-from ..sampling.sobol import sample_2d
+from ..sampling.sobol import sample_1d, sample_2d
 from ..settings import IntegratorKind
 from ..shader.evaluate import fill_bsdf
 from ..shape.interaction import make_interaction
@@ -25,8 +24,9 @@ from .direct import background_radiance, lamp_radiance, sample_direct, surface_e
 
 new_bsdf = scratch_record(BSDF)
 
-# Dimensions of a sample, in pairs: 0 the pixel filter, 1 the lens, then three for each vertex of the path.
-FIRST_DIMENSION, DIMENSIONS_PER_VERTEX = 2, 3
+# Dimensions of a sample, in pairs: 0 the pixel filter, 1 the lens, then four for each vertex of the path:
+# which light and which lobe, a point on the light, a direction, Russian roulette.
+FIRST_DIMENSION, DIMENSIONS_PER_VERTEX = 2, 4
 FAR = np.float32(np.inf)
 
 
@@ -156,7 +156,7 @@ def trace_path(scene, settings, sampler, o, d):
         if bounces > settings.min_bounces:
             # the root keeps dim paths longer than their throughput says, since they may still find a bright light
             survival = min(1.0, math.sqrt(max_component(beta)))
-            if hash_float(sampler.seed, sampler.index, dimension) >= survival:
+            if sample_1d(sampler, dimension + 3) >= survival:
                 break
             beta = beta * (1.0 / survival)
 

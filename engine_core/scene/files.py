@@ -5,6 +5,7 @@ The file is a zip of numpy arrays (.npz), one for each table, and a header as JS
 what is read is checked before a kernel sees it.
 """
 
+import hashlib
 import json
 import zipfile
 from pathlib import Path
@@ -20,7 +21,7 @@ FORMAT, VERSION = "lambent scene", 1
 
 def save_scene(path, scene, settings):
     """Write `scene` and `settings` to the file `path`, compressed."""
-    header = {"format": FORMAT, "version": VERSION, "settings": settings._asdict()}
+    header = {"format": FORMAT, "version": VERSION, "layout": layout(), "settings": settings._asdict()}
     text = np.frombuffer(json.dumps(header, default=float).encode(), np.uint8)
     # as plain bytes with a row's size: a dtype with sub-arrays would need numpy to evaluate its description
     tables = {name: np.asarray(table).view(np.uint8) for name, table in scene.tables().items()}
@@ -41,6 +42,8 @@ def load_scene(path):
                 raise SceneError(f"{name}: not a scene file of Lambent")
             if header.get("version") != VERSION:
                 raise SceneError(f"{name}: written in version {header.get('version')}, this Lambent reads {VERSION}")
+            if header.get("layout") != layout():
+                raise SceneError(f"{name}: written by another Lambent, whose tables have other columns")
             tables = {}
             for table, dtype in Scene.dtypes().items():
                 raw = stored[table]
@@ -54,6 +57,14 @@ def load_scene(path):
         raise SceneError(f"{name}: cannot be read as a scene file ({error})") from None
     check_tables(name, tables)
     return Scene(**tables), settings
+
+
+def layout():
+    """What tells whether a file's rows are ours: the fields of all tables, as a string."""
+    digest = hashlib.sha256()
+    for name, dtype in Scene.dtypes().items():
+        digest.update(f"{name} {dtype.descr}".encode())
+    return digest.hexdigest()[:16]
 
 
 def check_tables(name, tables):
@@ -86,7 +97,7 @@ def check_tables(name, tables):
     ):
         raise SceneError(f"{name}: lobes of materials lead outside of the table lobes")
     if not 0 <= world["light_count"] <= len(tables["lights"]) or not (
-        0 <= world["suns"] and world["suns"] + world["sun_count"] <= len(tables["lights"])
+        world["suns"] >= 0 and world["suns"] + world["sun_count"] <= len(tables["lights"])
     ):
         raise SceneError(f"{name}: lights of the world lead outside of the table lights")
     within("the world's background", np.array([world["background_light"]]), "lights")

@@ -12,6 +12,7 @@ from ..tables import LIGHT, SHAPE, LightKind, ShapeKind
 from . import checks
 
 SMALLEST_SIZE = 1e-6  # metres; thinner area lights would have no area in float32
+SMALLEST_ANGLE = 1e-4  # radians; suns and spreads below this are taken as exactly parallel
 
 
 def point(name, to_world, power, radius, soft, visibility):
@@ -38,7 +39,8 @@ def spot(name, to_world, power, radius, angle, blend, soft, visibility):
         -axes[:, 2],
     )
     light["cos_angle"] = cos_half
-    light["blend"] = (1.0 - cos_half) * min(max(blend, 0.0), 1.0)
+    edge = (1.0 - cos_half) * min(max(checks.number(name, "blend", blend), 0.0), 1.0)
+    light["blend"] = 1.0 / edge if edge > 0.0 else math.inf
     return _with_ball(light, power, radius, soft)
 
 
@@ -66,8 +68,8 @@ def sun(name, direction, irradiance, angle, visibility):
     half = min(checks.number(name, "angle", angle, 0.0), math.pi) / 2.0
     light = _light(LightKind.SUN, visibility)
     light["n"] = direction / length
-    light["cos_angle"], light["radius"] = math.cos(half), math.sin(half)
-    if half < 1e-4:
+    light["height"] = 2.0 * math.sin(half / 2.0) ** 2  # 1 - cos(half) without losing digits
+    if half < SMALLEST_ANGLE:
         light["emission"], light["is_delta"] = irradiance, 1
     else:
         # the disk's radiance: irradiance over its projected solid angle, pi sin^2
@@ -94,7 +96,9 @@ def area(name, to_world, power, size_x, size_y, shape, spread, visibility):
         v, front = -v, -front
     light["p"], light["u"], light["v"] = matrix[:, 3], u, v
     light["n"] = front / np.linalg.norm(front)
-    light["area"], light["spread"] = surface, min(max(spread, 0.0), math.pi) / 2.0
+    light["area"] = surface
+    half_spread = checks.number(name, "spread", spread, 0.0, math.pi + 1e-5) / 2.0
+    light["spread"] = math.tan(half_spread) if half_spread < math.pi / 2.0 - SMALLEST_ANGLE else math.inf
     light["emission"] = power / (math.pi * surface)
     return light, _shape(ShapeKind.DISK if ellipse else ShapeKind.QUAD, light["p"], u, v)
 
@@ -108,7 +112,7 @@ def _light(kind, visibility):
     light = np.zeros(1, LIGHT)[0]
     light["kind"], light["visibility"] = kind, int(visibility)
     light["instance"] = light["prim"] = -1
-    light["cos_angle"], light["spread"] = -1.0, math.pi / 2.0
+    light["cos_angle"], light["spread"] = -1.0, math.inf
     return light
 
 

@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pictures as files, where there is no Blender to write them."""
+
+from pathlib import Path
+
+import numpy as np
+
+FORMATS = (".png", ".exr", ".npy")
+
+
+def save_image(path, pixels):
+    """Write `pixels`, float32 (h, w, 3 or 4), linear, bottom row first, in the format that the name's ending tells.
+
+    .exr and .npy keep the linear values. .png gets the sRGB curve, and colours beyond 1 are cut off.
+    Raises ValueError for another ending.
+    """
+    ending = Path(path).suffix.lower()
+    upright = np.ascontiguousarray(pixels[::-1])
+    if ending == ".npy":
+        np.save(path, upright)
+    elif ending == ".exr":
+        import OpenEXR
+
+        channels = {"RGBA"[: upright.shape[2]]: upright}
+        header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+        OpenEXR.File(header, channels).write(str(path))
+    elif ending == ".png":
+        from PIL import Image
+
+        color = srgb(np.clip(upright, 0.0, 1.0))
+        if color.shape[2] == 4:  # PNG's alpha is not premultiplied
+            alpha = np.clip(upright[..., 3:], 0.0, 1.0)
+            straight = np.divide(upright[..., :3], alpha, out=np.zeros_like(upright[..., :3]), where=alpha > 0)
+            color = np.concatenate([srgb(np.clip(straight, 0.0, 1.0)), alpha], axis=-1)
+        Image.fromarray(np.round(color * 255.0).astype(np.uint8)).save(path)
+    else:
+        raise ValueError(f"{path}: a picture ends in one of {', '.join(FORMATS)}")
+
+
+def srgb(linear):
+    """The sRGB transfer curve (IEC 61966-2-1), for values from 0 to 1."""
+    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * np.maximum(linear, 0.0031308) ** (1 / 2.4) - 0.055)
