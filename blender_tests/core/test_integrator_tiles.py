@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Render: the same picture whoever renders it, in whatever order; and it stops when told."""
+
+import time
+
+import numpy as np
+import pytest
+
+from blender_tests.helpers.scenes import builder, cube, picture, plane, settings, sphere
+from engine_core.integrator.tiles import TILE_SIZE, Render, make_passes, make_tiles
+from engine_core.scene.materials import Diffuse, Glass
+
+
+@pytest.fixture(scope="module")
+def room():
+    b = builder(eye=(0, -4, 2), target=(0, 0, 0))
+    plane(b, Diffuse((0.5, 0.6, 0.7)), half=3, z=-1)
+    sphere(b, Glass(roughness=0.1))
+    cube(b, Diffuse((0.8, 0.2, 0.2)), np.diag([0.3, 0.3, 0.3, 1.0]))
+    b.background((0.4, 0.5, 0.6))
+    b.point_light("Lamp", (2, -2, 3), (300, 300, 300), radius=0.2)
+    return b
+
+
+def test_threads_do_not_change_the_picture(room):
+    pictures = [picture(room, threads, size=100, samples=8) for threads in (1, 2, 7)]
+    assert pictures[0].std() > 0.01
+    np.testing.assert_array_equal(pictures[0], pictures[1])
+    np.testing.assert_array_equal(pictures[0], pictures[2])
+
+
+def test_a_crop_is_a_part_of_the_whole(room):
+    whole = picture(room, size=100, samples=4)
+    part = picture(room, size=100, samples=4, crop_x=30, crop_y=10, crop_width=50, crop_height=77)
+    np.testing.assert_array_equal(part, whole[10:87, 30:80])
+
+
+def test_seeds_give_other_noise(room):
+    a, b = (picture(room, size=32, samples=4, seed=seed) for seed in (0, 1))
+    assert (a != b).mean() > 0.5
+    assert a.mean() == pytest.approx(b.mean(), rel=0.05)
+
+
+def test_cancel_stops_within_a_row_and_keeps_what_is_there(room):
+    render = Render(room.build(), settings(256, samples=100_000))
+    render.start()
+    while not render.finished_tiles(timeout_s=60.0):
+        pass
+    render.cancel()
+    render.wait()
+    assert not render.is_running
+    assert render.progress < 0.5
+    assert np.isfinite(render.image("Combined")).all()
+    assert render.film.pixels["samples"].sum() > 0
+
+
+def test_time_limit_finishes_the_first_pass(room):
+    render = Render(room.build(), settings(128, samples=1_000_000), time_limit=0.01)
+    render.run()
+    assert render.samples_done >= 1
+    assert render.film.pixels["samples"].min() >= 1
+    assert render.film.pixels["samples"].max() < 1_000_000
+
+
+def test_an_error_in_a_thread_reaches_the_caller(room, monkeypatch):
+    def fails(*arguments):
+        raise RuntimeError("planted")
+
+    monkeypatch.setattr("engine_core.integrator.tiles.render_tile", fails)
+    render = Render(room.build(), settings(32), threads=2)
+    render.start()
+    with pytest.raises(RuntimeError, match="planted"):
+        render.wait()
+
+
+def test_tiles_are_told_once_each_pass(room):
+    render = Render(room.build(), settings(130, samples=2))
+    render.start()
+    told = []
+    while render.is_running:
+        told += render.finished_tiles(timeout_s=0.1)
+        time.sleep(0.01)
+    told += render.finished_tiles(timeout_s=0.0)
+    assert set(told) == set(render.tiles)
+    assert render.samples_done == 2
+    assert render.progress == 1.0
+
+
+@pytest.mark.parametrize(("width", "height"), [(1, 1), (64, 64), (65, 63), (1000, 3)])
+def test_tiles_cover_each_pixel_once(width, height):
+    seen = np.zeros((height, width), int)
+    for x, y, w, h in make_tiles(width, height):
+        assert max(w, h) <= TILE_SIZE
+        seen[y : y + h, x : x + w] += 1
+    assert (seen == 1).all()
+
+
+@pytest.mark.parametrize("samples", [1, 2, 3, 100, 1024])
+def test_passes_begin_rough_and_add_up(samples):
+    passes = make_passes(samples)
+    assert sum(passes) == samples
+    assert passes[0] == 1
+
+
+def test_error_estimate_is_the_true_error(room):
+    """Against a reference of many more samples, the estimate of 64 samples is right within a quarter."""
+    reference = Render(room.build(), settings(64, samples=4096, seed=1))
+    reference.run()
+    r = reference.image("Combined")[..., :3].mean(axis=-1)
+    render = Render(room.build(), settings(64, samples=64))
+    render.run()
+    x = render.image("Combined")[..., :3].mean(axis=-1)
+    true = np.sqrt(np.mean((x - r) ** 2 / (r**2 + 0.01)))
+    assert render.error_estimate == pytest.approx(true, rel=0.25)
