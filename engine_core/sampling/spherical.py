@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Rectangles and triangles as the eye sees them: directions uniform in the solid angle that they subtend.
+"""Rectangles and triangles as the eye sees them, from the origin: directions uniform in the solid angle they subtend.
 
-The eye stands at the origin. Both lose digits where the solid angle is small against what it is the difference of, see
-`LEAST_SOLID_ANGLE`; there a point uniform on the area does as well, since its density hardly varies.
+The formulas are differences of angles, and lose their digits where little is left. There `sample_rectangle` and
+`sample_triangle` take points uniform on the area instead: as good, since from afar the two hardly differ, and cheaper.
 """
 
 import math
@@ -14,7 +14,9 @@ from ..jit import kernel
 from ..linalg.vec3 import cross, dot, length, normalize
 from .warp import INV_TWO_PI, TWO_PI, cos_sin_turn
 
-# Solid angles are differences of angles up to pi, which float32 holds to 2e-7: from here on the error is below 1e-4.
+# Smaller than this, its area over its distance squared, a shape is sampled by area.
+SMALL = np.float32(0.1)
+# So is one that is seen edge on. Angles up to pi have errors of 2e-7 in float32: from here on that is below 1e-4.
 LEAST_SOLID_ANGLE = np.float32(2e-3)
 
 
@@ -26,6 +28,46 @@ class Rectangle(NamedTuple):
     y0: float
     y1: float
     z: float
+
+
+@kernel
+def sample_rectangle(u0, u1, rectangle):
+    """(x, y) of a point of the rectangle, and its density per solid angle."""
+    x0, x1, y0, y1 = rectangle.x0, rectangle.x1, rectangle.y0, rectangle.y1
+    if is_small_rectangle(rectangle):
+        solid_angle = phi = np.float32(0.0)
+    else:
+        solid_angle, phi = rectangle_solid_angle(rectangle)
+    if solid_angle > LEAST_SOLID_ANGLE:
+        x, y = square_to_spherical_rectangle(u0, u1, rectangle, solid_angle, phi)
+        return x, y, 1.0 / solid_angle
+    x, y = x0 + u0 * (x1 - x0), y0 + u1 * (y1 - y0)
+    return x, y, rectangle_area_pdf(rectangle, x, y)
+
+
+@kernel
+def sample_rectangle_pdf(rectangle, x, y):
+    """Density per solid angle of the point (x, y) of the rectangle."""
+    if not is_small_rectangle(rectangle):
+        solid_angle, _ = rectangle_solid_angle(rectangle)
+        if solid_angle > LEAST_SOLID_ANGLE:
+            return 1.0 / solid_angle
+    return rectangle_area_pdf(rectangle, x, y)
+
+
+@kernel
+def is_small_rectangle(rectangle):
+    x, y, z = 0.5 * (rectangle.x0 + rectangle.x1), 0.5 * (rectangle.y0 + rectangle.y1), rectangle.z
+    area = (rectangle.x1 - rectangle.x0) * (rectangle.y1 - rectangle.y0)
+    return area < SMALL * (x * x + y * y + z * z)
+
+
+@kernel
+def rectangle_area_pdf(rectangle, x, y):
+    """Density per solid angle of points uniform on the area: distance^3 / (area z)."""
+    d2 = x * x + y * y + rectangle.z * rectangle.z
+    area = (rectangle.x1 - rectangle.x0) * (rectangle.y1 - rectangle.y0)
+    return d2 * math.sqrt(d2) / (area * rectangle.z)
 
 
 @kernel

@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Questions to a light of any kind: a row of LIGHT.
+
+`p`: the point that is lit. Visibility, and whether something stands between, is for the caller.
+"""
+
+from ..jit import kernel
+from ..tables import LightKind
+from . import background, disk, point, quad, sphere, spot, sun, triangle
+
+
+@kernel
+def sample(scene, light, p, u0, u1):
+    """A direction from which `light` may shine on `p`: a LightSample."""
+    kind = light.kind
+    if kind == LightKind.TRIANGLE:
+        return triangle.sample(light, p, u0, u1)
+    if kind == LightKind.QUAD:
+        return quad.sample(light, p, u0, u1)
+    if kind == LightKind.POINT:
+        return point.sample(light, p, u0, u1)
+    if kind == LightKind.SPOT:
+        return spot.sample(light, p, u0, u1)
+    if kind == LightKind.SUN:
+        return sun.sample(light, u0, u1)
+    if kind == LightKind.DISK:
+        return disk.sample(light, p, u0, u1)
+    if kind == LightKind.SPHERE:
+        return sphere.sample(light, p, u0, u1)
+    return background.sample(light, u0, u1)
+
+
+@kernel
+def emitted(scene, light, p, wi, t):
+    """Radiance that a ray from `p` along `wi` receives, which runs into the light's shape at distance `t`.
+
+    Of a sun: if `wi` points into its disk.
+    """
+    kind = light.kind
+    if kind == LightKind.TRIANGLE:
+        return triangle.emitted(light, wi)
+    if kind == LightKind.QUAD:
+        return quad.emitted(light, wi)
+    if kind == LightKind.POINT:
+        return point.emitted(light, p)
+    if kind == LightKind.SPOT:
+        return spot.emitted(light, p, wi)
+    if kind == LightKind.SUN:
+        return sun.emitted(light, wi)
+    if kind == LightKind.DISK:
+        return disk.emitted(light, wi)
+    if kind == LightKind.SPHERE:
+        return sphere.emitted(light, p)
+    return background.emitted(light)
+
+
+@kernel
+def pdf(scene, light, p, wi, t):
+    """Density per solid angle with which `sample` finds `wi`, for a ray that runs into the light's shape at `t`."""
+    kind = light.kind
+    if kind == LightKind.TRIANGLE:
+        return triangle.pdf(light, p, wi, t)
+    if kind == LightKind.QUAD:
+        return quad.pdf(light, p, wi, t)
+    if kind == LightKind.POINT:
+        return point.pdf(light, p, wi, t)
+    if kind == LightKind.SPOT:
+        return spot.pdf(light, p, wi, t)
+    if kind == LightKind.SUN:
+        return sun.pdf(light, wi)
+    if kind == LightKind.DISK:
+        return disk.pdf(light, p, wi, t)
+    if kind == LightKind.SPHERE:
+        return sphere.pdf(light, p)
+    return background.pdf()
