@@ -96,9 +96,7 @@ NODE = np.dtype(
 )
 PACKET = np.dtype(
     [  # four triangles, side by side for SIMD; missing ones have prim -1 and no area
-        ("v0", "f4", (3, 4)),
-        ("e1", "f4", (3, 4)),  # v1 - v0
-        ("e2", "f4", (3, 4)),  # v2 - v0
+        ("p", "f4", (3, 3, 4)),  # corner, axis, triangle
         ("prim", "i4", (4,)),  # row of TRIANGLE
     ]
 )
@@ -156,7 +154,8 @@ LOBE = np.dtype(
         ("multiscatter", "i4"),  # 1: compensate the energy that single scattering loses (Turquin 2019)
         ("energy_scale", "f4"),  # at a hit: what that compensation came to
         ("layer", "i4"),  # lobes of one layer number lie under the covering ones before them; 0: under none
-        ("covers", "i4"),  # 1: what this lobe reflects does not reach the later lobes of its layer
+        ("covers", "f4"),  # share of what lies below that this lobe covers (a coat's weight, without the mix factor):
+        # what it reflects there does not reach the later lobes of its layer, nor what its refract_tint absorbs
         ("pmf", "f4"),  # at a hit: probability that sampling chooses this lobe
     ]
 )

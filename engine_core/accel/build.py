@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Build trees: from triangles or boxes to rows of NODE and PACKET. Called from Python when a scene is prepared.
+
+    nodes, packets = build_triangles(p)          # p: float32 (n, 3 corners, 3)
+    nodes, order = build_boxes(lo, hi)           # the rows of leaves index rows[order]
+
+Root, children and rows of leaves count from 0; `nodes.rebase` stands trees behind one another in one table. Each call
+works on one thread, without the GIL. Coordinates have to be finite; an axis of 1e18 metres or more costs the tree its
+quality, not its correctness.
+"""
+
+import numpy as np
+
+from ..jit import kernel
+from ..linalg.records import Tables
+from ..linalg.vec3 import load3_at
+from ..tables import NODE, PACKET
+from .binary import BINARY, BINS, BOX, MAX_DEPTH, TASK, BinaryWork, build_binary
+from .collapse import CHOICE, OPEN, OPEN_ROWS, SHARE, CollapseWork, choose, emit
+from .nodes import CORNERS, aligned_rows
+
+MAX_PRIMITIVES = 2**29  # that the children of a node can number
+
+
+class TriangleWork(Tables):
+    boxes = BOX
+    corners = CORNERS
+
+
+def build_triangles(p):
+    """The tree over triangles with corners `p`, float32 (n, 3, 3). Returns rows of NODE and of PACKET."""
+    p = np.ascontiguousarray(p, np.float32)
+    _check(len(p))
+    boxes = aligned_rows(len(p), BOX)
+    corners = p.reshape(-1).view(CORNERS)
+    box_triangles(TriangleWork(boxes=boxes, corners=corners), len(p))
+    return _build(boxes, corners, leaf_size=4, block_shift=2)
+
+
+def build_boxes(lo, hi):
+    """The tree over boxes from `lo` to `hi`, float32 (n, 3), one a leaf. Returns NODE rows and the order of leaves."""
+    _check(len(lo))
+    boxes = aligned_rows(len(lo), BOX)
+    boxes["lo"], boxes["hi"], boxes["prim"] = lo, hi, np.arange(len(lo))
+    nodes, _ = _build(boxes, np.empty(0, CORNERS), leaf_size=1, block_shift=0)
+    return nodes, boxes["prim"].copy()
+
+
+def _check(count):
+    if not 0 < count < MAX_PRIMITIVES:
+        raise ValueError(f"a tree holds 1 to {MAX_PRIMITIVES - 1} primitives, not {count}")
+
+
+def _build(boxes, corners, leaf_size, block_shift):
+    count = len(boxes)
+    binary = np.empty(2 * count - 1, BINARY)
+    work = BinaryWork(boxes=boxes, binary=binary, tasks=np.empty(MAX_DEPTH + 2, TASK), bins=np.empty(1, BINS))
+    made = build_binary(work, count, leaf_size, block_shift)
+    leaves = (made + 1) // 2
+    with_packets = len(corners) > 0
+    nodes = aligned_rows(max(made - leaves, 1), NODE)
+    packets = aligned_rows(leaves if with_packets else 0, PACKET)
+    work = CollapseWork(
+        boxes=boxes,
+        binary=binary,
+        choices=np.empty(made, CHOICE),
+        corners=corners,
+        open=np.empty(OPEN_ROWS, OPEN),
+        share=np.empty(1, SHARE),
+        nodes=nodes,
+        packets=packets,
+    )
+    choose(work, made, leaf_size, block_shift)
+    node_count, packet_count = emit(work, with_packets)
+    return trimmed(nodes, node_count), trimmed(packets, packet_count)
+
+
+def trimmed(rows, count):
+    """The first `count` rows, in memory of just their size."""
+    result = aligned_rows(count, rows.dtype)
+    result[:] = rows[:count]
+    return result
+
+
+@kernel
+def box_triangles(work, count):
+    """Fill `work.boxes` with the bounds of `count` triangles."""
+    for i in range(count):
+        corners, box = work.corners[i], work.boxes[i]
+        a, b, c = load3_at(corners, "p", 0), load3_at(corners, "p", 1), load3_at(corners, "p", 2)
+        box.lo[0], box.lo[1], box.lo[2] = min(a.x, b.x, c.x), min(a.y, b.y, c.y), min(a.z, b.z, c.z)
+        box.hi[0], box.hi[1], box.hi[2] = max(a.x, b.x, c.x), max(a.y, b.y, c.y), max(a.z, b.z, c.z)
+        box.prim = i

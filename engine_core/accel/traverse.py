@@ -1,0 +1,203 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The questions that rays ask: what do I hit first, and is anything in my way?
+
+The world has up to four trees: triangles and shapes in world space, instances with trees of their own, and lamps, which
+rays can see but which block none.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..jit import kernel
+from ..linalg.simd import lane, lowest_bit
+from ..linalg.transform import transform_point, transform_vector
+from ..shape import dispatch
+from ..tables import TreeKind, Visibility
+from .boxes import NO_LEAF, any_leaf, make_slabs, next_leaf, stack_scratch, start
+from .packet import intersect_packet, make_shear
+
+ZERO, ONE_BIT = np.float32(0.0), np.int32(1)
+NONE = -1
+TRIANGLES, SHAPES = int(TreeKind.TRIANGLES), int(TreeKind.SHAPES)  # as a Hit holds them
+SHADOW = np.int32(Visibility.SHADOW)
+
+
+class Hit(NamedTuple):
+    """The first thing on a ray."""
+
+    t: float  # distance in units of the ray's direction; t_max if nothing was hit
+    kind: int  # TreeKind.TRIANGLES or SHAPES
+    prim: int  # row of TRIANGLE or SHAPE; -1: nothing was hit
+    instance: int  # row of INSTANCE in whose tree it was found; -1: in one of the world's own trees
+    b1: float  # triangles: weights of the corners 1 and 2; shapes: see shape/
+    b2: float
+
+
+class TreeHit(NamedTuple):
+    t: float
+    prim: int  # -1: nothing was hit before t
+    b1: float
+    b2: float
+
+
+# ---- What is hit first -----------------------------------------------------------------------------------------------
+
+
+@kernel
+def intersect_closest(scene, o, d, t_max, visibility):
+    """The first triangle or shape on the ray o + t d, 0 < t < t_max, among objects that `visibility` rays can see.
+
+    `d` need not be unit. Lamps are not met; see `intersect_lamps`. All rays see what is in the world's own trees.
+    """
+    world = scene.world[0]
+    kind, prim, instance, b1, b2 = TRIANGLES, NONE, NONE, ZERO, ZERO
+    if world.triangle_root >= 0:
+        hit = intersect_triangles(scene, world.triangle_root, o, d, t_max)
+        t_max, prim, b1, b2 = hit
+    if world.shape_root >= 0:
+        hit = intersect_shapes(scene, world.shape_root, o, d, ZERO, t_max)
+        if hit.prim >= 0:
+            t_max, prim, b1, b2 = hit
+            kind = SHAPES
+    if world.instance_root >= 0:
+        hit = intersect_instances(scene, world.instance_root, o, d, t_max, visibility)
+        if hit.prim >= 0:
+            return hit
+    return Hit(t_max, kind, prim, instance, b1, b2)
+
+
+@kernel
+def intersect_lamps(scene, o, d, t_min, t_max):
+    """The first shape of a lamp on the ray o + t d, t_min < t < t_max."""
+    root = scene.world[0].lamp_root
+    if root < 0:
+        return Hit(t_max, SHAPES, NONE, NONE, ZERO, ZERO)
+    hit = intersect_shapes(scene, root, o, d, t_min, t_max)
+    return Hit(hit.t, SHAPES, hit.prim, NONE, hit.b1, hit.b2)
+
+
+@kernel
+def intersect_triangles(scene, root, o, d, t_max):
+    """The first triangle of the tree below `root`."""
+    stack, slabs, shear = stack_scratch(), make_slabs(o, d), make_shear(o, d)
+    prim, b1, b2 = NONE, ZERO, ZERO
+    top = start(stack, root)
+    while True:
+        leaf, top = next_leaf(scene, slabs, stack, top, t_max)
+        if leaf == NO_LEAF:
+            return TreeHit(t_max, prim, b1, b2)
+        first = (~leaf) >> 2
+        for k in range(first, first + ((~leaf) & 3) + 1):
+            packet = scene.packets[k]
+            found = intersect_packet(packet, shear, t_max)
+            hits = found.hits
+            while hits != 0:
+                i = lowest_bit(hits)
+                hits &= hits - ONE_BIT
+                t = lane(found.t, i)
+                if t < t_max:
+                    t_max, prim, b1, b2 = t, packet.prim[i], lane(found.b1, i), lane(found.b2, i)
+
+
+@kernel
+def intersect_shapes(scene, root, o, d, t_min, t_max):
+    """The first shape of the tree below `root`, beyond t_min."""
+    stack, slabs = stack_scratch(), make_slabs(o, d)
+    prim, b1, b2 = NONE, ZERO, ZERO
+    top = start(stack, root)
+    while True:
+        leaf, top = next_leaf(scene, slabs, stack, top, t_max)
+        if leaf == NO_LEAF:
+            return TreeHit(t_max, prim, b1, b2)
+        row = (~leaf) >> 2
+        found = dispatch.intersect(scene.shapes[row], o, d, t_min, t_max)
+        if found.t < t_max:
+            t_max, prim, b1, b2 = found.t, row, found.b1, found.b2
+
+
+@kernel
+def intersect_instances(scene, root, o, d, t_max, visibility):
+    """The first triangle or shape of the instances in the tree below `root`."""
+    stack, slabs = stack_scratch(), make_slabs(o, d)
+    result = Hit(t_max, TRIANGLES, NONE, NONE, ZERO, ZERO)
+    top = start(stack, root)
+    while True:
+        leaf, top = next_leaf(scene, slabs, stack, top, result.t)
+        if leaf == NO_LEAF:
+            return result
+        row = (~leaf) >> 2
+        instance = scene.instances[row]
+        if instance.visibility & visibility == 0:
+            continue
+        local_o = transform_point(instance, "to_object", o)
+        local_d = transform_vector(instance, "to_object", d)  # not normalised: t stays what it is
+        if instance.kind == TRIANGLES:
+            found = intersect_triangles(scene, instance.root, local_o, local_d, result.t)
+        else:
+            found = intersect_shapes(scene, instance.root, local_o, local_d, ZERO, result.t)
+        if found.prim >= 0:
+            result = Hit(found.t, np.int64(instance.kind), found.prim, row, found.b1, found.b2)
+
+
+# ---- Is anything in the way ------------------------------------------------------------------------------------------
+
+
+@kernel
+def occluded(scene, o, d, t_max):
+    """Whether anything is on the ray o + t d, 0 < t < t_max: transparent or not, but no lamp."""
+    world = scene.world[0]
+    if world.triangle_root >= 0 and triangles_occlude(scene, world.triangle_root, o, d, t_max):
+        return True
+    if world.shape_root >= 0 and shapes_occlude(scene, world.shape_root, o, d, t_max):
+        return True
+    return world.instance_root >= 0 and instances_occlude(scene, world.instance_root, o, d, t_max)
+
+
+@kernel
+def triangles_occlude(scene, root, o, d, t_max):
+    """Whether a triangle of the tree below `root` is hit."""
+    stack, slabs, shear = stack_scratch(), make_slabs(o, d), make_shear(o, d)
+    top = start(stack, root)
+    while True:
+        leaf, top = any_leaf(scene, slabs, stack, top, t_max)
+        if leaf == NO_LEAF:
+            return False
+        first = (~leaf) >> 2
+        for k in range(first, first + ((~leaf) & 3) + 1):
+            if intersect_packet(scene.packets[k], shear, t_max).hits != 0:
+                return True
+
+
+@kernel
+def shapes_occlude(scene, root, o, d, t_max):
+    """Whether a shape of the tree below `root` is hit."""
+    stack, slabs = stack_scratch(), make_slabs(o, d)
+    top = start(stack, root)
+    while True:
+        leaf, top = any_leaf(scene, slabs, stack, top, t_max)
+        if leaf == NO_LEAF:
+            return False
+        if dispatch.intersect(scene.shapes[(~leaf) >> 2], o, d, ZERO, t_max).t < t_max:
+            return True
+
+
+@kernel
+def instances_occlude(scene, root, o, d, t_max):
+    """Whether an instance in the tree below `root` is hit."""
+    stack, slabs = stack_scratch(), make_slabs(o, d)
+    top = start(stack, root)
+    while True:
+        leaf, top = any_leaf(scene, slabs, stack, top, t_max)
+        if leaf == NO_LEAF:
+            return False
+        instance = scene.instances[(~leaf) >> 2]
+        if instance.visibility & SHADOW == 0:
+            continue
+        local_o = transform_point(instance, "to_object", o)
+        local_d = transform_vector(instance, "to_object", d)
+        if instance.kind == TRIANGLES:
+            if triangles_occlude(scene, instance.root, local_o, local_d, t_max):
+                return True
+        elif shapes_occlude(scene, instance.root, local_o, local_d, t_max):
+            return True

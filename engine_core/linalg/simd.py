@@ -1,0 +1,228 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""SIMD in kernels: f32x4 and f32x8, four and eight float32 that live in one register of the machine.
+
+They have operators and comparisons; a comparison gives a mask, and `bits` turns a mask into an integer with a bit for
+each lane. Lanes are loaded from and stored to fields of rows, so nothing here touches an array object:
+
+    t0 = load8(node, "bounds", 0) * splat8(inverse) + splat8(origin)
+    hits = bits(t0 <= splat8(t_max))
+    while hits != 0:
+        i = lowest_bit(hits)
+        hits &= hits - 1
+
+For accel/ alone: everything else is scalar code, which a GPU could run.
+"""
+
+import operator
+
+from llvmlite import ir
+from numba import from_dtype
+from numba.core import types
+from numba.core.imputils import lower_builtin
+from numba.core.typing.templates import AbstractTemplate, infer_global, signature
+from numba.extending import intrinsic, models, register_model
+
+FLOAT, INT, BYTE, LONG, BIT = ir.FloatType(), ir.IntType(32), ir.IntType(8), ir.IntType(64), ir.IntType(1)
+
+
+class LanesType(types.Type):
+    """`width` numbers of one LLVM type in a register."""
+
+    def __init__(self, name, element, width):
+        super().__init__(name)
+        self.width, self.llvm = width, ir.VectorType(element, width)
+
+
+@register_model(LanesType)
+class LanesModel(models.PrimitiveModel):
+    def __init__(self, manager, fe_type):
+        super().__init__(manager, fe_type, fe_type.llvm)
+
+
+f32x4, f32x8 = LanesType("f32x4", FLOAT, 4), LanesType("f32x8", FLOAT, 8)
+mask4, mask8 = LanesType("mask4", BIT, 4), LanesType("mask8", BIT, 8)
+
+
+# ---- Operators -------------------------------------------------------------------------------------------------------
+
+
+def _operator(op, operand, result, lower):
+    @infer_global(op)
+    class Template(AbstractTemplate):
+        def generic(self, args, kws):
+            if args == (operand, operand):
+                return signature(result, operand, operand)
+
+    lower_builtin(op, operand, operand)(lambda context, builder, sig, args: lower(builder, *args))
+
+
+for _lanes, _mask in ((f32x4, mask4), (f32x8, mask8)):
+    _operator(operator.add, _lanes, _lanes, lambda b, x, y: b.fadd(x, y))
+    _operator(operator.sub, _lanes, _lanes, lambda b, x, y: b.fsub(x, y))
+    _operator(operator.mul, _lanes, _lanes, lambda b, x, y: b.fmul(x, y))
+    _operator(operator.truediv, _lanes, _lanes, lambda b, x, y: b.fdiv(x, y))
+    _operator(operator.lt, _lanes, _mask, lambda b, x, y: b.fcmp_ordered("<", x, y))
+    _operator(operator.le, _lanes, _mask, lambda b, x, y: b.fcmp_ordered("<=", x, y))
+    _operator(operator.gt, _lanes, _mask, lambda b, x, y: b.fcmp_ordered(">", x, y))
+    _operator(operator.ge, _lanes, _mask, lambda b, x, y: b.fcmp_ordered(">=", x, y))
+    _operator(operator.and_, _mask, _mask, lambda b, x, y: b.and_(x, y))
+    _operator(operator.or_, _mask, _mask, lambda b, x, y: b.or_(x, y))
+
+
+@intrinsic
+def minimum(typing_context, x, y):
+    """The lesser in each lane; y where one is not a number."""
+    return x(x, x), lambda context, b, sig, args: b.select(b.fcmp_ordered("<", *args), *args)
+
+
+@intrinsic
+def maximum(typing_context, x, y):
+    """The greater in each lane; y where one is not a number."""
+    return x(x, x), lambda context, b, sig, args: b.select(b.fcmp_ordered(">", *args), *args)
+
+
+@intrinsic
+def difference_of_products(typing_context, a, b, c, d):
+    """a b - c d, each product rounded: swapping (a, b) with (c, d) gives exactly the negative.
+
+    A fused multiply-add would round one product and not the other. The flag keeps numba from allowing that.
+    """
+
+    def lower(context, builder, sig, args):
+        a, b, c, d = args
+        flags = ("nsz",)
+        return builder.fsub(builder.fmul(a, b, flags=flags), builder.fmul(c, d, flags=flags), flags=flags)
+
+    return a(a, a, a, a), lower
+
+
+# ---- Lanes and bits --------------------------------------------------------------------------------------------------
+
+
+@intrinsic
+def bits(typing_context, mask):
+    """The mask as an integer, lane 0 lowest."""
+
+    def lower(context, builder, sig, args):
+        return builder.zext(builder.bitcast(args[0], ir.IntType(sig.args[0].width)), INT)
+
+    return types.int32(mask), lower
+
+
+@intrinsic
+def lowest_bit(typing_context, x):
+    """Index of the lowest bit that is set; undefined for 0."""
+    return types.int32(types.int32), lambda context, b, sig, args: b.cttz(args[0], ir.Constant(BIT, 1))
+
+
+@intrinsic
+def lane(typing_context, v, i):
+    """The number in lane i."""
+    return types.float32(v, types.int32), lambda context, b, sig, args: b.extract_element(*args)
+
+
+def _splat(lanes):
+    @intrinsic
+    def splat(typing_context, x):
+        """The same number in every lane."""
+
+        def lower(context, builder, sig, args):
+            undefined = ir.Constant(lanes.llvm, ir.Undefined)
+            one = builder.insert_element(undefined, args[0], ir.Constant(INT, 0))
+            return builder.shuffle_vector(
+                one, undefined, ir.Constant(ir.VectorType(INT, lanes.width), [0] * lanes.width)
+            )
+
+        return lanes(types.float32), lower
+
+    return splat
+
+
+splat4, splat8 = _splat(f32x4), _splat(f32x8)
+
+
+@intrinsic
+def lanes4(typing_context, x, y, z):
+    """Three numbers, and 0 in the fourth lane."""
+
+    def lower(context, builder, sig, args):
+        v = ir.Constant(f32x4.llvm, [0.0] * 4)
+        for i, x in enumerate(args):
+            v = builder.insert_element(v, x, ir.Constant(INT, i))
+        return v
+
+    return f32x4(types.float32, types.float32, types.float32), lower
+
+
+@intrinsic
+def xyz(typing_context, v):
+    """The first three lanes, and 0 in the fourth."""
+
+    def lower(context, builder, sig, args):
+        return builder.insert_element(args[0], ir.Constant(FLOAT, 0.0), ir.Constant(INT, 3))
+
+    return f32x4(f32x4), lower
+
+
+# ---- Memory ----------------------------------------------------------------------------------------------------------
+
+
+def _address(builder, row, offset, llvm_type):
+    return builder.bitcast(builder.gep(builder.bitcast(row, BYTE.as_pointer()), [offset]), llvm_type.as_pointer())
+
+
+def _lanes_address(builder, sig, args, lanes):
+    """Address of the lanes number args[2] of the field sig.args[1] of the row args[0]."""
+    row_type, name = sig.args[:2]
+    start = ir.Constant(LONG, row_type.offset(name.literal_value))
+    offset = builder.add(start, builder.mul(args[2], ir.Constant(LONG, 4 * lanes.width)))
+    return _address(builder, args[0], offset, lanes.llvm)
+
+
+def _load(lanes):
+    @intrinsic(prefer_literal=True)
+    def load(typing_context, row, name, i):
+        """Lanes number i of the field `name` of a row: the field is taken as one lanes after the other."""
+
+        def lower(context, builder, sig, args):
+            return builder.load(_lanes_address(builder, sig, args, lanes), align=4)
+
+        return lanes(row, name, types.int64), lower
+
+    return load
+
+
+def _store(lanes):
+    @intrinsic(prefer_literal=True)
+    def store(typing_context, row, name, i, v):
+        """Write lanes number i of the field `name` of a row."""
+
+        def lower(context, builder, sig, args):
+            builder.store(args[3], _lanes_address(builder, sig, args, lanes), align=4)
+            return context.get_dummy_value()
+
+        return types.void(row, name, types.int64, lanes), lower
+
+    return store
+
+
+load4, load8 = _load(f32x4), _load(f32x8)
+store4, store8 = _store(f32x4), _store(f32x8)
+
+
+def stack_record(dtype):
+    """A function that gives one row of `dtype` on the stack of the kernel that calls it, in whatever state it is."""
+    record = from_dtype(dtype)
+
+    @intrinsic
+    def scratch(typing_context):
+        def lower(context, builder, sig, args):
+            # not cgutils.alloca_once, which would fill the row with zeros on each call
+            with builder.goto_entry_block():
+                row = builder.alloca(ir.ArrayType(BYTE, record.size))
+            row.align = 64
+            return builder.bitcast(row, context.get_value_type(record))
+
+        return record(), lower
+
+    return scratch

@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Questions to an analytic shape of any kind: a row of SHAPE."""
+
+import numpy as np
+
+from ..jit import kernel
+from ..tables import ShapeKind
+from . import disk, quad, sphere
+
+
+@kernel
+def intersect(shape, o, d, t_min, t_max):
+    """First hit of the ray o + t d with t_min < t < t_max; t is infinite when there is none. `d` need not be unit."""
+    if shape.kind == ShapeKind.SPHERE:
+        return sphere.intersect(shape, o, d, t_min, t_max)
+    if shape.kind == ShapeKind.QUAD:
+        return quad.intersect(shape, o, d, t_min, t_max)
+    if shape.kind == ShapeKind.DISK:
+        return disk.intersect(shape, o, d, t_min, t_max)
+    return disk.intersect_facing(shape, o, d, t_min, t_max)
+
+
+@kernel
+def geometric_normal(shape, o, p):
+    """Unit normal at `p`, out of the front, whichever side the ray from `o` came from."""
+    if shape.kind == ShapeKind.SPHERE:
+        return sphere.normal(shape, p)
+    if shape.kind == ShapeKind.FACING_DISK:
+        return disk.normal_facing(shape, o)
+    return quad.normal(shape, p)
+
+
+@kernel
+def snap(shape, p):
+    """`p`, which lies on the shape but for the rounding of o + t d, moved onto it."""
+    if shape.kind == ShapeKind.SPHERE:
+        return sphere.snap(shape, p)
+    if shape.kind == ShapeKind.FACING_DISK:
+        return p
+    return quad.snap(shape, p)
+
+
+@kernel
+def uv(shape, p):
+    """Texture coordinates (u, v) of the point `p` of the shape. A facing disk has none: 0.5, 0.5."""
+    if shape.kind == ShapeKind.SPHERE:
+        return sphere.uv(shape, p)
+    if shape.kind == ShapeKind.FACING_DISK:
+        return np.float32(0.5), np.float32(0.5)
+    return quad.uv(shape, p)
+
+
+def bounds(shapes):
+    """Boxes around rows of SHAPE: lo, hi, float32 (n, 3). They contain the shapes in spite of rounding."""
+    kind = shapes["kind"][:, None]
+    u, v = shapes["u"].astype(np.float64), shapes["v"].astype(np.float64)
+    ball = np.repeat(shapes["radius"].astype(np.float64)[:, None], 3, axis=1)
+    half = np.select([kind == ShapeKind.QUAD, kind == ShapeKind.DISK], [np.abs(u) + np.abs(v), np.hypot(u, v)], ball)
+    centre = shapes["p"].astype(np.float64)
+    # rays meet a shape with an error of its own size and distance times some units in the last place of float32
+    half += 4e-7 * (np.abs(centre) + half.max(axis=1, keepdims=True))
+    lo, hi = (centre - half).astype(np.float32), (centre + half).astype(np.float32)
+    return np.nextafter(lo, np.float32(-np.inf)), np.nextafter(hi, np.float32(np.inf))
