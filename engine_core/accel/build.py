@@ -4,7 +4,7 @@
     nodes, packets = build_triangles(p)          # p: float32 (n, 3 corners, 3)
     nodes, order = build_boxes(lo, hi)           # the rows of leaves index rows[order]
 
-Root, children and rows of leaves count from 0; `nodes.rebase` stands trees behind one another in one table. Each call
+Root, children and rows of leaves count from 0; `rebase` stands trees behind one another in one table. Each call
 works on one thread, without the GIL. Coordinates have to be finite; an axis of 1e18 metres or more costs the tree its
 quality, not its correctness.
 """
@@ -17,7 +17,9 @@ from ..linalg.vec3 import load3_at
 from ..tables import NODE, PACKET
 from .binary import BINARY, BINS, BOX, MAX_DEPTH, TASK, BinaryWork, build_binary
 from .collapse import CHOICE, OPEN, OPEN_ROWS, SHARE, CollapseWork, choose, emit
-from .nodes import CORNERS, aligned_rows
+from .nodes import CORNERS, aligned_rows, rebase, rebase_packets
+
+__all__ = ["aligned_rows", "build_boxes", "build_triangles", "rebase", "rebase_packets"]
 
 MAX_PRIMITIVES = 2**29  # that the children of a node can number
 
