@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Random numbers: Owen-scrambled Sobol points fill the square evenly, and are independent wherever they have to be."""
+
+import numba
+import numpy as np
+import pytest
+from scipy import stats
+
+from engine_core.jit import kernel
+from engine_core.sampling.mis import power_heuristic
+from engine_core.sampling.rng import hash_float, hash_u32, next_random, to_unit_float
+from engine_core.sampling.sobol import make_sampler, sample_1d, sample_2d
+
+SIGNIFICANCE = 1e-4  # of each test; the points are fixed, so a test that passes once passes always
+
+
+@kernel
+def fill_points(points, dimension, seed):
+    """Samples 0, 1, 2 ... of the pixels 0, 1, 2 ... of a row: points (pixels, samples, 2)."""
+    for x in range(points.shape[0]):
+        for index in range(points.shape[1]):
+            u0, u1 = sample_2d(make_sampler(x, 7, index, seed), dimension)
+            points[x, index, 0], points[x, index, 1] = u0, u1
+
+
+@kernel
+def fill_numbers(numbers, dimension, seed):
+    for x in range(numbers.shape[0]):
+        for index in range(numbers.shape[1]):
+            numbers[x, index] = sample_1d(make_sampler(x, 7, index, seed), dimension)
+
+
+def points_of(pixels, samples, dimension=0, seed=0):
+    points = np.empty((pixels, samples, 2), np.float32)
+    fill_points(points, dimension, seed)
+    return points
+
+
+def uniformity(*coordinates, cells=16):
+    """p-value for points with these coordinates being uniform in the unit square or cube."""
+    counts, _ = np.histogramdd(np.stack(coordinates, axis=-1), bins=cells, range=[(0, 1)] * len(coordinates))
+    return stats.chisquare(counts.ravel()).pvalue
+
+
+@pytest.mark.parametrize("log2_samples", range(1, 13))
+def test_every_elementary_interval_holds_one_point(log2_samples):
+    n = 1 << log2_samples
+    for points in points_of(pixels=4, samples=n, dimension=3):
+        for log2_columns in range(log2_samples + 1):
+            columns, rows = 1 << log2_columns, n >> log2_columns
+            cell = (points[:, 0] * columns).astype(int) * rows + (points[:, 1] * rows).astype(int)
+            assert len(np.unique(cell)) == n
+
+
+def test_each_block_of_samples_is_a_net_of_its_own():
+    """What makes passes of 1, 1, 2, 4, 8 samples refine each other."""
+    points = points_of(pixels=1, samples=256)[0]
+    for block in points.reshape(16, 16, 2):
+        assert len(np.unique((block * 4).astype(int) @ [4, 1])) == 16
+
+
+@pytest.mark.parametrize("index", [0, 1, 2, 77])
+def test_each_sample_alone_is_uniform_over_pixels(index):
+    points = points_of(pixels=100_000, samples=index + 1)[:, index]
+    assert uniformity(*points.T) > SIGNIFICANCE
+
+
+def test_dimensions_pixels_and_seeds_are_independent():
+    a = points_of(20_000, 4, dimension=0)
+    for b in (points_of(20_000, 4, dimension=1), points_of(20_000, 4, seed=1), np.roll(a, 1, axis=0)):
+        for i in (0, 1):
+            for j in (0, 1):
+                assert uniformity(a[..., i].ravel(), b[..., j].ravel()) > SIGNIFICANCE
+
+
+def test_dimensions_are_decorrelated_within_a_pixel():
+    """Two dimensions that kept the order of their samples would lie on diagonals."""
+    a, b = points_of(4000, 64, dimension=0), points_of(4000, 64, dimension=1)
+    correlation = ((a[..., 0] - 0.5) * (b[..., 0] - 0.5)).mean(axis=1) * 12.0
+    assert abs(correlation.mean()) < 4.0 * correlation.std() / np.sqrt(4000)
+    assert correlation.std() < 2.0 / np.sqrt(64)  # that of random numbers: 1 / 8
+
+
+@pytest.mark.parametrize(("samples", "least_gain"), [(16, 20.0), (256, 1000.0)])
+def test_smooth_integrands_have_far_less_variance_than_with_random_numbers(samples, least_gain):
+    values = np.exp(-4.0 * ((points_of(4000, samples) - 0.3) ** 2).sum(axis=-1))
+    random_variance = values.var() / samples
+    assert values.mean(axis=1).var() < random_variance / least_gain
+
+
+def test_estimates_have_no_bias():
+    values = np.exp(-4.0 * ((points_of(200_000, 1)[:, 0] - 0.3) ** 2).sum(axis=-1))
+    x = (np.arange(2000) + 0.5) / 2000
+    truth = np.exp(-4.0 * (x - 0.3) ** 2).mean() ** 2
+    assert abs(values.mean() - truth) < 4.0 * values.std() / np.sqrt(len(values))
+
+
+def test_one_number_is_the_first_of_two():
+    numbers = np.empty((8, 64), np.float32)
+    fill_numbers(numbers, 5, 1)
+    np.testing.assert_array_equal(numbers, points_of(8, 64, dimension=5, seed=1)[..., 0])
+
+
+def test_numbers_stay_below_one():
+    assert to_unit_float(np.uint32(0xFFFFFFFF)) == 1.0 - 2.0**-24
+    assert to_unit_float(np.uint32(0)) == 0.0
+    points = points_of(1000, 1024)
+    assert points.min() >= 0.0
+    assert points.max() < 1.0
+
+
+def test_numbers_are_float32():
+    for function in (sample_2d, sample_1d):
+        result = [s.return_type for s in function.nopython_signatures]
+        assert result
+        assert all(r in (numba.float32, numba.types.UniTuple(numba.float32, 2)) for r in result)
+
+
+def test_hash_is_a_bijection_that_changes_half_of_all_bits():
+    x = np.arange(1 << 16, dtype=np.uint32)
+    hashed = np.array([hash_u32(v) for v in x], np.uint32)
+    assert len(np.unique(hashed)) == len(x)
+    for bit in (0, 7, 16, 31):
+        flipped = np.array([hash_u32(v) for v in x ^ np.uint32(1 << bit)], np.uint32)
+        rate = np.unpackbits((hashed ^ flipped).view(np.uint8)).mean()
+        assert abs(rate - 0.5) < 0.01
+
+
+def test_hashed_numbers_are_uniform_and_independent_of_neighbours():
+    numbers = np.array([[hash_float(seed, index, 3) for index in range(300)] for seed in range(300)])
+    assert uniformity(numbers[:, :-1].ravel(), numbers[:, 1:].ravel()) > SIGNIFICANCE
+    assert uniformity(numbers[:-1].ravel(), numbers[1:].ravel()) > SIGNIFICANCE
+
+
+def test_the_generator_is_uniform():
+    state, numbers = np.uint32(1), []
+    for _ in range(50_000):
+        state, bits = next_random(state)
+        numbers.append(to_unit_float(bits))
+    numbers = np.array(numbers)
+    assert uniformity(numbers[:-1], numbers[1:]) > SIGNIFICANCE
+
+
+@pytest.mark.parametrize(("a", "b"), [(1.0, 2.0), (1e30, 1e30), (1e-30, 1e-25), (3.0, 0.0), (0.0, 1.0)])
+def test_weights_of_both_techniques_add_up_to_one(a, b):
+    a, b = np.float32(a), np.float32(b)
+    assert power_heuristic(a, b) + power_heuristic(b, a) == pytest.approx(1.0, abs=1e-6)
+    assert power_heuristic(a, b) == pytest.approx(float(a) ** 2 / (float(a) ** 2 + float(b) ** 2), abs=1e-6)
