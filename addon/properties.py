@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What an artist sets: `scene.lambent` and `view_layer.lambent`.
+
+What Blender has already is not asked for twice: transparent film, threads (`-t` on the command line), border, motion
+blur and passes live in Blender's own properties. Defaults are those of `engine_core.settings`.
+"""
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty
+
+# Identifiers and numbers are those of engine_core.settings, which is not imported before a render starts.
+INTEGRATORS = (
+    ("BRUTE_FORCE", "Brute Force", "Scatter by the material alone and find lights by luck: slow, but plain to see", 0),
+    ("PATH", "Path", "Sample lights and materials at each bounce, weighted against each other", 2),
+)
+FILTERS = (
+    ("BOX", "Box", "Every sample counts for its own pixel, evenly", 0),
+    ("GAUSSIAN", "Gaussian", "Soft", 1),
+    ("BLACKMAN_HARRIS", "Blackman-Harris", "Sharp, without ringing", 2),
+)
+MAX_BOUNCES = 1024
+
+
+def bounces(name, default, what):
+    return IntProperty(name=name, default=default, min=0, max=MAX_BOUNCES, description=f"Largest number of {what}")
+
+
+class LambentSceneSettings(bpy.types.PropertyGroup):
+    # ---- Sampling ----
+    integrator: EnumProperty(name="Integrator", items=INTEGRATORS, default="PATH", description="How light is followed")
+    samples: IntProperty(
+        name="Samples", default=128, min=1, max=1 << 24, description="Number of paths traced through each pixel"
+    )
+    time_limit: FloatProperty(
+        name="Time Limit",
+        default=0.0,
+        min=0.0,
+        step=100,
+        subtype="TIME_ABSOLUTE",
+        unit="TIME_ABSOLUTE",
+        description="Stop after this time, with the samples done by then; 0 is no limit",
+    )
+    seed: IntProperty(name="Seed", default=0, min=0, description="Another seed gives another pattern of noise")
+    use_animated_seed: BoolProperty(
+        name="Animate Seed", default=False, description="Another pattern of noise on each frame"
+    )
+
+    # ---- Light paths ----
+    max_bounces: bounces("Total", 12, "bounces of any kind")
+    diffuse_bounces: bounces("Diffuse", 4, "diffuse bounces")
+    glossy_bounces: bounces("Glossy", 4, "reflections")
+    transmission_bounces: bounces("Transmission", 12, "refractions")
+    transparent_max_bounces: bounces("Transparent", 8, "transparent surfaces that a path goes straight through")
+    min_bounces: IntProperty(
+        name="Min Bounces",
+        default=3,
+        min=0,
+        max=MAX_BOUNCES,
+        description="Bounces before Russian roulette may end a path that carries little light",
+    )
+    clamp_direct: FloatProperty(
+        name="Direct Light",
+        default=0.0,
+        min=0.0,
+        description="Largest value a sample of direct light may have; 0 is no limit. Removes fireflies, and light",
+    )
+    clamp_indirect: FloatProperty(
+        name="Indirect Light",
+        default=0.0,
+        min=0.0,
+        description="Largest value a sample of indirect light may have; 0 is no limit. Removes fireflies, and light",
+    )
+    caustics_reflective: BoolProperty(
+        name="Reflective", default=True, description="Light that a mirror or gloss throws onto a diffuse surface"
+    )
+    caustics_refractive: BoolProperty(
+        name="Refractive", default=True, description="Light that glass throws onto a diffuse surface"
+    )
+
+    # ---- Film ----
+    exposure: FloatProperty(
+        name="Exposure", default=1.0, min=0.0, soft_max=10.0, description="Factor on all light that reaches the film"
+    )
+    filter_type: EnumProperty(
+        name="Pixel Filter", items=FILTERS, default="BLACKMAN_HARRIS", description="How samples blend into pixels"
+    )
+    filter_width: FloatProperty(
+        name="Filter Width",
+        default=1.5,
+        min=0.01,
+        max=10.0,
+        subtype="PIXEL",
+        description="Width of the pixel filter; 1.5 is sharp, 3 soft",
+    )
+
+
+class LambentViewLayerSettings(bpy.types.PropertyGroup):
+    use_pass_denoising_data: BoolProperty(
+        name="Denoising Data", default=False, description="Albedo and normal, for the Denoise node of the compositor"
+    )
+    use_pass_sample_count: BoolProperty(
+        name="Sample Count", default=False, description="Number of samples in each pixel"
+    )
+
+
+CLASSES = (LambentSceneSettings, LambentViewLayerSettings)
+
+
+def register():
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+    bpy.types.Scene.lambent = PointerProperty(type=LambentSceneSettings)
+    bpy.types.ViewLayer.lambent = PointerProperty(type=LambentViewLayerSettings)
+
+
+def unregister():
+    for owner in (bpy.types.Scene, bpy.types.ViewLayer):
+        if hasattr(owner, "lambent"):
+            del owner.lambent
+    for cls in reversed(CLASSES):
+        if cls.is_registered:
+            bpy.utils.unregister_class(cls)

@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How much work goes into a picture, and when it is enough."""
+
+import bpy
+
+from .copy_from_cycles import CopyFromCycles
+from .panel import LambentPanel
+
+
+class SamplingPanel(LambentPanel, bpy.types.Panel):
+    bl_idname = "LAMBENT_RENDER_PT_sampling"
+    bl_label = "Sampling"
+
+    def draw(self, context):
+        ours = context.scene.lambent
+        column = self.column()
+        column.prop(ours, "integrator")
+        column.prop(ours, "samples")
+        column.prop(ours, "time_limit")
+        if CopyFromCycles.poll(context):
+            column.operator(CopyFromCycles.bl_idname)
+
+
+class SeedPanel(LambentPanel, bpy.types.Panel):
+    bl_idname = "LAMBENT_RENDER_PT_sampling_seed"
+    bl_label = "Noise Pattern"
+    bl_parent_id = "LAMBENT_RENDER_PT_sampling"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        ours = context.scene.lambent
+        row = self.column().row(align=True)
+        row.prop(ours, "seed")
+        row.prop(ours, "use_animated_seed", text="", icon="TIME")
+
+
+CLASSES = (SamplingPanel, SeedPanel)
