@@ -15,7 +15,7 @@ from ..shape.interaction import make_interaction
 from ..tables import MaterialFlag, Visibility
 
 FAR = np.float32(np.inf)
-ALMOST_ONE = np.float32(1.0 - 1e-4)  # a shadow ray stops short of the light that it asks for
+ALMOST_ONE = np.float32(1.0 - 1e-4)  # shadow rays stop short: a lamp may lie in the surface of a ceiling
 
 
 @kernel
@@ -35,23 +35,32 @@ def sample_direct(scene, settings, it, bsdf, wo, visibility, u_select, u0, u1):
     Ld = f * s.radiance * (1.0 / pdf_light)
     if not s.is_delta:
         Ld = Ld * power_heuristic(pdf_light, pdf_bsdf)
-    side = it.ng if dot(s.wi, it.ng) > 0.0 else -it.ng
-    return Ld * shadow_transmittance(scene, settings, offset_ray_origin(it.p, side), s.wi, s.distance * ALMOST_ONE)
+    o = offset_ray_origin(it.p, it.ng if dot(s.wi, it.ng) > 0.0 else -it.ng)
+    if s.distance == FAR:
+        return Ld * shadow_transmittance(scene, settings, o, s.wi, FAR)
+    # To the very point that was sampled, moved off the emitter as `o` is off the surface: neither end blocks the way.
+    q = it.p + s.wi * s.distance
+    n = light_dispatch.surface_normal(light, q)
+    q = offset_ray_origin(q, n if dot(s.wi, n) < 0.0 else -n)
+    return Ld * shadow_transmittance(scene, settings, o, q - o, ALMOST_ONE)
 
 
 @kernel
 def shadow_transmittance(scene, settings, o, d, t_max):
-    """The part of light that gets from o + t_max d to `o`: 0, 1, or a colour if something transparent is between."""
+    """The part of light that gets from o + t_max d to `o`: 0, 1, or a colour if something transparent is between.
+
+    `d` need not be unit.
+    """
     if scene.world[0].transparent_shadows == 0:
         return BLACK if occluded(scene, o, d, t_max) else WHITE
     transmittance = WHITE
     for _ in range(settings.transparent_bounces + 1):
-        hit = intersect_closest(scene, o, d, t_max, np.int64(Visibility.SHADOW))
+        hit = intersect_closest(scene, o, d, t_max, Visibility.SHADOW.value)
         if hit.prim < 0:
             return transmittance
         it = make_interaction(scene, hit, o, d)
         material = scene.materials[it.material]
-        if not material.flags & MaterialFlag.TRANSPARENT:
+        if not material.flags & MaterialFlag.TRANSPARENT.value:
             return BLACK
         transmittance = transmittance * load3(material, "transparency")
         o = offset_ray_origin(it.p, -it.ng)
@@ -63,7 +72,7 @@ def shadow_transmittance(scene, settings, o, d, t_max):
 def surface_emission(scene, it, d, p_last, pdf_last, distance):
     """Radiance that the surface at `it` emits against `d`, weighted against having sampled it from `p_last`."""
     material = scene.materials[it.material]
-    if it.backfacing and material.flags & MaterialFlag.ONE_SIDED:
+    if it.backfacing and material.flags & MaterialFlag.ONE_SIDED.value:
         return BLACK
     Le = load3(material, "emission")
     if pdf_last > 0.0 and it.light >= 0:

@@ -63,7 +63,7 @@ def trace_path(scene, settings, sampler, o, d):
     p_last = o
     pdf_last = np.float32(0.0)  # density of the direction taken there; 0: light sampling had no chance
     distance = np.float32(0.0)  # from there to `o`; more than 0 after passing through something transparent
-    visibility = np.int64(Visibility.CAMERA)
+    visibility = Visibility.CAMERA.value
 
     bounces = diffuse_bounces = glossy_bounces = transmission_bounces = transparent_bounces = 0
     ends_here = False  # the limits allow no more scattering: gather emission and stop
@@ -79,19 +79,19 @@ def trace_path(scene, settings, sampler, o, d):
             Le = lamp_radiance(scene, o, d, hit.t, p_last, pdf_last, distance, visibility)
             L = L + clamped(beta * Le, limit)
         if hit.prim < 0:
-            if visibility == Visibility.CAMERA and settings.transparent_background != 0:
+            if visibility == Visibility.CAMERA.value and settings.transparent_background != 0:
                 alpha = 1.0 - average(beta)
             else:
                 L = L + clamped(beta * background_radiance(scene, d, p_last, pdf_last, visibility), limit)
             break
         it = make_interaction(scene, hit, o, d)
         material = scene.materials[it.material]
-        if material.flags & MaterialFlag.EMISSIVE:
+        if material.flags & MaterialFlag.EMISSIVE.value:
             Le = surface_emission(scene, it, d, p_last, pdf_last, distance + hit.t)
             L = L + clamped(beta * Le, limit)
 
         # ---- How does this place scatter? ------------------------------------------------------------------------
-        if ends_here and not material.flags & MaterialFlag.TRANSPARENT:
+        if ends_here and not material.flags & MaterialFlag.TRANSPARENT.value:
             break
         wo = -d
         spreads = diffuse_bounces > 0
@@ -131,13 +131,13 @@ def trace_path(scene, settings, sampler, o, d):
             bounces += 1
             if s.is_transmission:
                 transmission_bounces += 1
-                visibility = np.int64(Visibility.TRANSMISSION)
+                visibility = Visibility.TRANSMISSION.value
             elif s.kind == LobeKind.DIFFUSE:
                 diffuse_bounces += 1
-                visibility = np.int64(Visibility.DIFFUSE)
+                visibility = Visibility.DIFFUSE.value
             else:
                 glossy_bounces += 1
-                visibility = np.int64(Visibility.GLOSSY)
+                visibility = Visibility.GLOSSY.value
             ends_here = (
                 bounces > settings.max_bounces
                 or diffuse_bounces > settings.diffuse_bounces

@@ -5,6 +5,7 @@
 """
 
 from ..jit import kernel
+from ..linalg.vec3 import BLACK, load3, normalize
 from ..tables import LightKind
 from . import background, disk, point, quad, sphere, spot, sun, triangle
 
@@ -73,3 +74,14 @@ def pdf(scene, light, p, wi, t):
     if kind == LightKind.SPHERE:
         return sphere.pdf(light, p)
     return background.pdf()
+
+
+@kernel
+def surface_normal(light, q):
+    """Unit normal of the geometry at its point `q`, if the light is geometry that blocks rays; else zero, as of lamps."""
+    kind = light.kind
+    if kind == LightKind.TRIANGLE:
+        return load3(light, "n")
+    if kind == LightKind.SPHERE:
+        return normalize(q - load3(light, "p"))
+    return BLACK

@@ -98,8 +98,14 @@ def area(name, to_world, power, size_x, size_y, shape, spread, visibility):
     light["n"] = front / np.linalg.norm(front)
     light["area"] = surface
     half_spread = checks.number(name, "spread", spread, 0.0, math.pi + 1e-5) / 2.0
-    light["spread"] = math.tan(half_spread) if half_spread < math.pi / 2.0 - SMALLEST_ANGLE else math.inf
-    light["emission"] = power / (math.pi * surface)
+    if half_spread < SMALLEST_ANGLE:  # a beam
+        light["spread"], light["is_delta"], light["emission"] = 0.0, 1, power / surface
+        return light, None
+    if half_spread < math.pi / 2.0 - SMALLEST_ANGLE:  # brighter ahead by what it does not send sideways, as in Cycles
+        tangent = math.tan(half_spread)
+        light["spread"], light["emission"] = tangent, power / (math.pi * surface * (1.0 - half_spread / tangent))
+    else:
+        light["emission"] = power / (math.pi * surface)
     return light, _shape(ShapeKind.DISK if ellipse else ShapeKind.QUAD, light["p"], u, v)
 
 

@@ -244,8 +244,8 @@ class _Lowering:
         weight = weight * c.alpha
         if c.coat_weight > NEGLIGIBLE:
             coat = {"ior": max(c.coat_ior, 1.0), **alphas(max(c.coat_roughness, SMOOTHEST_ALPHA))}
-            self._lobe(LobeKind.COATING, weight * c.coat_weight, covers=1, **coat, **layer)
-            weight = weight * (1.0 - c.coat_weight + c.coat_weight * np.array(c.coat_tint))
+            cover = {"covers": c.coat_weight, "refract_tint": c.coat_tint}
+            self._lobe(LobeKind.COATING, weight * c.coat_weight, **cover, **coat, **layer)
         self.emission += weight * np.array(c.emission_color) * c.emission_strength
 
         metal = {"fresnel": FresnelKind.F82, "f0": np.clip(base_color, 0, 1), "f82": c.specular_tint}
@@ -268,7 +268,7 @@ class _Lowering:
             self._lobe(
                 LobeKind.COATING,
                 weight,
-                covers=1,
+                covers=1.0,
                 ior=ior,
                 f0=c.specular_tint,
                 multiscatter=c.multiscatter,
