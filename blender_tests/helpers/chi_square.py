@@ -85,7 +85,7 @@ def compare_counts(observed, expected, n):
         terms = np.where(seen == awaited, 0.0, (seen - awaited) ** 2 / awaited)
     statistic, degrees = terms.sum(), max(len(terms) - 1, 1)
     w = int(np.argmax(terms))
-    name = "the pool of small cells" if names[w] < 0 else f"cell {names[w]}"
+    name = {-1: "the pool of small cells", len(order) - 1: "what no cell gets"}.get(names[w], f"cell {names[w]}")
     worst = f"{name}: {seen[w]:.0f} samples where {awaited[w]:.1f} are expected"
     return ChiSquare(float(stats.chi2.sf(statistic, degrees)), float(statistic), degrees, float(total), worst)
 

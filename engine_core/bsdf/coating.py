@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Varnish: GGX reflection with the Fresnel term of a dielectric. The specular and coat layers of the Principled BSDF.
+
+What it does not reflect reaches the lobes below: see `covers` of a lobe and `dispatch.prepare`. The index of refraction
+is not inverted at a back face: as in Cycles, both sides of a face are varnished.
+`f0` tints the reflectance at normal incidence, `refract_tint` is the colour of light that passes the varnish once.
+"""
+
+import math
+
+from ..jit import kernel
+from ..linalg.vec3 import BLACK, WHITE, Vec3, lerp, load3
+from . import energy, microfacet
+from .fresnel import f0_of_coating, f0_of_ior, fresnel_coating, fresnel_coating_average
+from .lobe import ONE, LobeSample, LobeValue, mirror_direction, no_direction, nothing
+
+
+@kernel
+def evaluate_and_pdf(lobe, wo, wi):
+    if wo.z <= 0.0 or wi.z <= 0.0 or microfacet.is_smooth(lobe):
+        return nothing()
+    f, pdf, cos_h = microfacet.evaluate_reflection(lobe, wo, wi)
+    return LobeValue(reflectance(lobe, cos_h) * (f * lobe.energy_scale), pdf)
+
+
+@kernel
+def sample(lobe, wo, u_choice, u0, u1):
+    if wo.z <= 0.0:
+        return no_direction()
+    if microfacet.is_smooth(lobe):
+        return LobeSample(mirror_direction(wo), reflectance(lobe, wo.z), ONE, True)
+    wi, weight, pdf, cos_h = microfacet.sample_reflection(lobe, wo, u0, u1)
+    if wi.z <= 0.0:
+        return no_direction()
+    return LobeSample(wi, reflectance(lobe, cos_h) * (weight * lobe.energy_scale), pdf, False)
+
+
+@kernel
+def albedo(lobe, wo):
+    """The Fresnel curve is linear in f0, and so is its mean over the microfacets."""
+    if wo.z <= 0.0:
+        return BLACK
+    f0 = f0_of_ior(lobe.ior)
+    share = energy.ggx_albedo(lobe, wo.z)
+    s = (energy.dielectric_reflection(lobe, wo.z) - f0 * share) / (1.0 - f0)
+    f0_tinted = f0_of_coating(lobe.ior, load3(lobe, "f0"))
+    return (f0_tinted * (share - s) + WHITE * s) * lobe.energy_scale
+
+
+# ---- Fresnel and what lies below -------------------------------------------------------------------------------------
+
+
+@kernel
+def reflectance(lobe, cos):
+    return fresnel_coating(cos, lobe.ior, load3(lobe, "f0"))
+
+
+@kernel
+def compensate(lobe, wo):
+    """Set `energy_scale`; gives the colour that the further bounces add, a factor for the weight."""
+    return energy.compensate_reflection(lobe, wo.z, fresnel_coating_average(lobe.ior, load3(lobe, "f0")))
+
+
+@kernel
+def absorption(lobe, wo):
+    """The share of light, by colour, that a tinted varnish lets through: refract_tint ** (path / thickness).
+
+    Beer's law along the refracted view ray; the tint is that of light which passes straight down.
+    """
+    tint = load3(lobe, "refract_tint")
+    if wo.z <= 0.0 or (tint.x == 1.0 and tint.y == 1.0 and tint.z == 1.0):
+        return WHITE
+    depth = 1.0 / math.sqrt(max(1.0 - (1.0 - wo.z * wo.z) / (lobe.ior * lobe.ior), 1e-4))
+    return lerp(WHITE, Vec3(tint.x**depth, tint.y**depth, tint.z**depth), lobe.covers)

@@ -1,0 +1,255 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""All lobes of a point together, in directions of the world. The one place that asks for the kind of a lobe.
+
+`sample` chooses a lobe by its `pmf`; evaluate and pdf are those of the mixture, sum f_i and sum pmf_i pdf_i, over the
+lobes that are not deltas. So light sampling and scattering see the same BSDF, and their MIS weights add up to one.
+
+Shading normals and faces: a lobe scatters in its shading frame, and only where the face agrees. Reflection has to leave
+on the side of wo and refraction on the other, judged by `ng` too; else the value is zero, in `sample` and in `evaluate`
+alike. Cycles has the test in sampling alone: for closed objects that is the same, as a ray below the face is blocked;
+an open surface with smooth normals lets light through there and not here.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..jit import kernel
+from ..linalg.vec3 import BLACK, WHITE, Vec3, average, dot, is_black, load3, max_component, store3
+from ..tables import LobeKind
+from . import coating, conductor, dielectric, diffuse, refraction, translucent, transparent
+from .lobe import ONE, ZERO, no_direction, nothing
+from .microfacet import is_smooth, passes_straight
+
+BELOW_ONE = np.float32(1.0 - 2.0**-24)
+
+
+class BsdfSample(NamedTuple):
+    """A direction chosen by a BSDF."""
+
+    wi: Vec3
+    weight: Vec3  # f |cos| / pdf of all lobes
+    pdf: np.float32  # per solid angle; of a delta: the probability; 0: no direction, the path ends
+    kind: np.int32  # LobeKind of the lobe that chose it
+    is_delta: bool  # light sampling cannot find this direction
+    is_transmission: bool  # wi is on the other side of the face
+
+
+# ---- The trio --------------------------------------------------------------------------------------------------------
+
+
+@kernel
+def evaluate(bsdf, wo, wi):
+    """f |cos(wi)|, deltas left out."""
+    return evaluate_and_pdf(bsdf, wo, wi)[0]
+
+
+@kernel
+def pdf(bsdf, wo, wi):
+    """Density per solid angle with which `sample` chooses wi, deltas left out."""
+    return evaluate_and_pdf(bsdf, wo, wi)[1]
+
+
+@kernel
+def evaluate_and_pdf(bsdf, wo, wi):
+    """(f |cos(wi)|, pdf)"""
+    wo_local, wi_local = to_local(bsdf, wo), to_local(bsdf, wi)
+    if (wi_local.z > 0.0) != (dot(load3(bsdf, "ng"), wi) > 0.0):
+        return BLACK, ZERO
+    return _sum_lobes(bsdf, wo_local, wi_local, -1)
+
+
+@kernel
+def sample(bsdf, wo, u_lobe, u0, u1):
+    """Choose a direction: a lobe by u_lobe (what is left of it chooses between reflection and refraction), then wi."""
+    chosen, pmf, u = _choose_lobe(bsdf, u_lobe)
+    if chosen < 0:
+        return BsdfSample(BLACK, BLACK, ZERO, np.int32(0), False, False)
+    lobe = bsdf.lobes[chosen]
+    wo_local = to_local(bsdf, wo)
+    s = lobe_sample(lobe, wo_local, u, u0, u1)
+    wi, is_transmission = to_world(bsdf, s.wi), s.wi.z < 0.0
+    if s.pdf == 0.0 or is_transmission != (dot(load3(bsdf, "ng"), wi) < 0.0):
+        return BsdfSample(BLACK, BLACK, ZERO, lobe.kind, False, False)
+    weight, density = load3(lobe, "weight") * s.weight, pmf * s.pdf
+    if bsdf.count > 1:
+        if s.is_delta:
+            weight = weight * (1.0 / pmf)
+        else:
+            f, others = _sum_lobes(bsdf, wo_local, s.wi, chosen)
+            f, density = f + weight * s.pdf, others + density
+            weight = f * (1.0 / density)
+    return BsdfSample(wi, weight, density, lobe.kind, s.is_delta, is_transmission)
+
+
+@kernel
+def albedo(bsdf, wo):
+    """Share of light from everywhere that leaves towards wo, by colour; see the models for how exact."""
+    wo_local = to_local(bsdf, wo)
+    total = BLACK
+    for i in range(bsdf.count):
+        lobe = bsdf.lobes[i]
+        total = total + load3(lobe, "weight") * lobe_albedo(lobe, wo_local)
+    return total
+
+
+@kernel
+def _choose_lobe(bsdf, u):
+    """(lobe, its pmf, u as good as new); -1 if all are black."""
+    if bsdf.count == 1:
+        return (0 if bsdf.lobes[0].pmf > 0.0 else -1), ONE, u
+    chosen, pmf, rest = -1, ONE, u
+    for i in range(bsdf.count):
+        p = bsdf.lobes[i].pmf
+        if p > 0.0:
+            chosen, pmf, rest = i, p, u
+            if u < p:
+                break
+        u -= p
+    return chosen, pmf, min(rest / pmf, BELOW_ONE)
+
+
+@kernel
+def _sum_lobes(bsdf, wo, wi, but):
+    """(sum f, sum pmf pdf) in the local frame, over all lobes but one."""
+    f, density = BLACK, ZERO
+    for i in range(bsdf.count):
+        lobe = bsdf.lobes[i]
+        if i != but and lobe.pmf > 0.0:
+            value = lobe_evaluate_and_pdf(lobe, wo, wi)
+            f, density = f + load3(lobe, "weight") * value.f, density + lobe.pmf * value.pdf
+    return f, density
+
+
+# ---- Preparation -----------------------------------------------------------------------------------------------------
+
+
+@kernel
+def prepare(bsdf, wo, backfacing):
+    """Make the lobes ready for this hit, once they and the frame are set.
+
+    Turns indices of refraction around at a back face, compensates for the energy that single scattering loses, lets
+    what coatings reflect not reach what lies below, and shares out the lobes' probability by what they give back.
+    """
+    wo_local = to_local(bsdf, wo)
+    alone = bsdf.count == 1
+    total = ZERO
+    for i in range(bsdf.count):
+        lobe = bsdf.lobes[i]
+        if backfacing and (lobe.kind == LobeKind.DIELECTRIC or lobe.kind == LobeKind.REFRACTION):
+            lobe.ior = 1.0 / lobe.ior
+        lobe.energy_scale = ONE
+        darkening = _compensate(lobe, wo_local) if lobe.multiscatter and wo_local.z > 0.0 else WHITE
+        weight = load3(lobe, "weight") * darkening
+        store3(lobe, "weight", weight)
+        if alone:
+            lobe.pmf = ZERO if is_black(weight) else ONE
+            return
+        share = lobe_albedo(lobe, wo_local)
+        if lobe.covers > 0.0:
+            _cover(bsdf, i, wo_local, share * darkening)
+        lobe.pmf = average(weight * share)
+        total += lobe.pmf
+    for i in range(bsdf.count):
+        lobe = bsdf.lobes[i]
+        lobe.pmf = lobe.pmf / total if total > 0.0 else ZERO
+
+
+@kernel
+def _compensate(lobe, wo):
+    """Set `energy_scale` of a lobe that has one; gives a factor for its weight."""
+    if lobe.kind == LobeKind.CONDUCTOR and not is_smooth(lobe):
+        return conductor.compensate(lobe, wo)
+    if lobe.kind == LobeKind.COATING and not is_smooth(lobe):
+        return coating.compensate(lobe, wo)
+    if lobe.kind == LobeKind.DIELECTRIC and not passes_straight(lobe):
+        return dielectric.compensate(lobe, wo)
+    return WHITE
+
+
+@kernel
+def _cover(bsdf, cover, wo, share):
+    """Reduce the lobes below the coating `cover` by the largest component of `share`, its albedo, and by its tint.
+
+    By the largest, so that no colour gets more than what comes in, at the price of a little dark (as Cycles).
+    """
+    coat = bsdf.lobes[cover]
+    passing = coating.absorption(coat, wo) * max(1.0 - coat.covers * max_component(share), 0.0)
+    for i in range(cover + 1, bsdf.count):
+        lobe = bsdf.lobes[i]
+        if lobe.layer == coat.layer and coat.layer != 0:
+            store3(lobe, "weight", load3(lobe, "weight") * passing)
+
+
+# ---- The frame -------------------------------------------------------------------------------------------------------
+
+
+@kernel
+def to_local(bsdf, w):
+    return Vec3(dot(load3(bsdf, "s"), w), dot(load3(bsdf, "t"), w), dot(load3(bsdf, "n"), w))
+
+
+@kernel
+def to_world(bsdf, w):
+    return load3(bsdf, "s") * w.x + load3(bsdf, "t") * w.y + load3(bsdf, "n") * w.z
+
+
+# ---- Lobes by kind ---------------------------------------------------------------------------------------------------
+
+
+@kernel
+def lobe_evaluate_and_pdf(lobe, wo, wi):
+    if lobe.kind == LobeKind.DIFFUSE:
+        return diffuse.evaluate_and_pdf(lobe, wo, wi)
+    if lobe.kind == LobeKind.CONDUCTOR:
+        return conductor.evaluate_and_pdf(lobe, wo, wi)
+    if lobe.kind == LobeKind.COATING:
+        return coating.evaluate_and_pdf(lobe, wo, wi)
+    if lobe.kind == LobeKind.DIELECTRIC:
+        return dielectric.evaluate_and_pdf(lobe, wo, wi)
+    if lobe.kind == LobeKind.REFRACTION:
+        return refraction.evaluate_and_pdf(lobe, wo, wi)
+    if lobe.kind == LobeKind.TRANSLUCENT:
+        return translucent.evaluate_and_pdf(lobe, wo, wi)
+    if lobe.kind == LobeKind.TRANSPARENT:
+        return transparent.evaluate_and_pdf(lobe, wo, wi)
+    return nothing()
+
+
+@kernel
+def lobe_sample(lobe, wo, u_choice, u0, u1):
+    if lobe.kind == LobeKind.DIFFUSE:
+        return diffuse.sample(lobe, wo, u_choice, u0, u1)
+    if lobe.kind == LobeKind.CONDUCTOR:
+        return conductor.sample(lobe, wo, u_choice, u0, u1)
+    if lobe.kind == LobeKind.COATING:
+        return coating.sample(lobe, wo, u_choice, u0, u1)
+    if lobe.kind == LobeKind.DIELECTRIC:
+        return dielectric.sample(lobe, wo, u_choice, u0, u1)
+    if lobe.kind == LobeKind.REFRACTION:
+        return refraction.sample(lobe, wo, u_choice, u0, u1)
+    if lobe.kind == LobeKind.TRANSLUCENT:
+        return translucent.sample(lobe, wo, u_choice, u0, u1)
+    if lobe.kind == LobeKind.TRANSPARENT:
+        return transparent.sample(lobe, wo, u_choice, u0, u1)
+    return no_direction()
+
+
+@kernel
+def lobe_albedo(lobe, wo):
+    """Without the lobe's weight."""
+    if lobe.kind == LobeKind.CONDUCTOR:
+        return conductor.albedo(lobe, wo)
+    if lobe.kind == LobeKind.COATING:
+        return coating.albedo(lobe, wo)
+    if lobe.kind == LobeKind.DIELECTRIC:
+        return dielectric.albedo(lobe, wo)
+    if lobe.kind == LobeKind.REFRACTION:
+        return refraction.albedo(lobe, wo)
+    if lobe.kind == LobeKind.DIFFUSE:
+        return diffuse.albedo(lobe, wo)
+    if lobe.kind == LobeKind.TRANSLUCENT:
+        return translucent.albedo(lobe, wo)
+    if lobe.kind == LobeKind.TRANSPARENT:
+        return transparent.albedo(lobe, wo)
+    return BLACK

@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the models of `bsdf/` give back; all in the local frame and without the lobe's weight."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..jit import kernel
+from ..linalg.vec3 import BLACK, Vec3
+
+ZERO = np.float32(0.0)
+ONE = np.float32(1.0)
+UP = Vec3(0.0, 0.0, 1.0)  # the normal
+
+
+class LobeValue(NamedTuple):
+    """How much a lobe scatters from one direction to another. Delta parts count as zero."""
+
+    f: Vec3  # BSDF times |cos(wi)|
+    pdf: np.float32  # per solid angle, with which `sample` chooses wi
+
+
+class LobeSample(NamedTuple):
+    """A direction chosen by a lobe."""
+
+    wi: Vec3
+    weight: Vec3  # f |cos| / pdf
+    pdf: np.float32  # per solid angle; of a delta: the probability; 0: there is no direction
+    is_delta: bool  # only `sample` finds this direction
+
+
+@kernel
+def nothing():
+    """The value of a pair of directions that does not scatter."""
+    return LobeValue(BLACK, ZERO)
+
+
+@kernel
+def no_direction():
+    return LobeSample(BLACK, BLACK, ZERO, False)
+
+
+@kernel
+def mirror_direction(wo):
+    return Vec3(-wo.x, -wo.y, wo.z)

@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Makes `energy_tables.npz`: how much light GGX microfacets give back. Run as `python -m engine_core.bsdf.make_tables`.
+
+Integrates over visible normals with the kernels of `microfacet`, on a grid of midpoints; half a minute.
+See `energy.py` for what the tables mean and for their coordinates.
+"""
+
+import math
+from pathlib import Path
+
+import numpy as np
+
+from ..jit import kernel
+from ..linalg.vec3 import Vec3, dot, reflect
+from ..tables import LOBE
+from .fresnel import fresnel_dielectric, schlick
+from .microfacet import refract, sample_visible_normal, unshadowed
+
+PLANE_SIZE, VOLUME_SIZE = 32, 16
+SMALLEST = 1e-3  # stands for 0 where a coordinate may not be 0
+LARGEST = 0.995  # stands for 1: an ior of 200
+
+
+@kernel
+def mirror(lobe, cos, n):
+    """(albedo, mean (1 - cos)^5, mean cos (1 - cos)^6) of a mirror without Fresnel, by n x n microfacets."""
+    wo = Vec3(math.sqrt(max(1.0 - cos * cos, 0.0)), 0.0, cos)
+    total, fifth, sixth = np.float64(0), np.float64(0), np.float64(0)
+    for i in range(n):
+        for j in range(n):
+            h = sample_visible_normal(
+                lobe, wo, (np.float32(i) + 0.5) / np.float32(n), (np.float32(j) + 0.5) / np.float32(n)
+            )
+            wi, cos_h = reflect(wo, h), dot(wo, h)
+            if wi.z > 0.0:
+                weight = unshadowed(lobe, wo, wi)
+                total += weight
+                fifth += weight * schlick(cos_h)
+                sixth += weight * schlick(cos_h) * cos_h * (1.0 - cos_h)
+    return total / (n * n), fifth / total, sixth / total
+
+
+@kernel
+def glass(lobe, cos, n):
+    """(reflected, refracted) share of light, by n x n microfacets; `ior` of the lobe."""
+    wo = Vec3(math.sqrt(max(1.0 - cos * cos, 0.0)), 0.0, cos)
+    reflected, refracted = np.float64(0), np.float64(0)
+    for i in range(n):
+        for j in range(n):
+            h = sample_visible_normal(
+                lobe, wo, (np.float32(i) + 0.5) / np.float32(n), (np.float32(j) + 0.5) / np.float32(n)
+            )
+            cos_h = dot(wo, h)
+            reflectance, cos_t = fresnel_dielectric(cos_h, lobe.ior)
+            wi = reflect(wo, h)
+            if wi.z > 0.0:
+                reflected += reflectance * unshadowed(lobe, wo, wi)
+            wi = refract(wo, h, cos_h, cos_t, lobe.ior)
+            if cos_t > 0.0 and wi.z < 0.0:
+                refracted += (1.0 - reflectance) * unshadowed(lobe, wo, wi)
+    return reflected / (n * n), refracted / (n * n)
+
+
+def make_planes(points=400):
+    """(planes, ggx_average)"""
+    planes = np.zeros((3, PLANE_SIZE, PLANE_SIZE), np.float32)
+    axis = np.linspace(0.0, 1.0, PLANE_SIZE)
+    for i, roughness in enumerate(axis):
+        lobe = lobe_of(roughness)
+        for j, y in enumerate(axis):
+            planes[0, i, j] = mirror(lobe, cos_of_view(y, lobe.alpha_x), points)[0]
+            planes[1:, i, j] = mirror(lobe, np.float32(max(y, SMALLEST)), points)[1:]
+    average = [mean_over_views(lambda cos, lobe=lobe: mirror(lobe, cos, 64)[0]) for lobe in map(lobe_of, axis)]
+    return planes, np.array(average, np.float32)
+
+
+def make_volumes(points=128):
+    """(volumes, glass_average)"""
+    volumes = np.zeros((3, VOLUME_SIZE, VOLUME_SIZE, VOLUME_SIZE), np.float32)
+    average = np.zeros((2, VOLUME_SIZE, VOLUME_SIZE), np.float32)
+    axis = np.linspace(0.0, 1.0, VOLUME_SIZE)
+    for k, index in enumerate(axis):
+        r = min(max(index, 0.1 * SMALLEST**0.5), LARGEST) ** 2
+        ior = (1.0 + r) / (1.0 - r)
+        for i, roughness in enumerate(axis):
+            outside, inside = lobe_of(roughness, ior), lobe_of(roughness, 1.0 / ior)
+            for j, y in enumerate(axis):
+                cos = cos_of_view(y, outside.alpha_x)
+                reflected, refracted = glass(outside, cos, points)
+                volumes[0, k, i, j] = reflected + refracted
+                volumes[1, k, i, j] = sum(glass(inside, cos, points))
+                smooth = mirror(outside, cos, points)[0] * fresnel_dielectric(cos, outside.ior)[0]
+                volumes[2, k, i, j] = reflected / smooth
+            for side, lobe in enumerate((outside, inside)):
+                average[side, k, i] = mean_over_views(lambda cos, lobe=lobe: sum(glass(lobe, cos, 32)))
+    return volumes, average
+
+
+def lobe_of(roughness, ior=1.0):
+    lobe = np.zeros(1, LOBE).view(np.recarray)[0]
+    lobe.alpha_x = lobe.alpha_y = max(roughness**2, SMALLEST**2)
+    lobe.ior = ior
+    return lobe
+
+
+def cos_of_view(y, alpha):
+    """Inverse of the coordinate y = cos (1 + alpha) / (cos + alpha)."""
+    return np.float32(max(y * alpha / (1.0 + alpha - y), SMALLEST * alpha))
+
+
+def mean_over_views(albedo, n=32):
+    """Integral of 2 cos albedo(cos) d cos, by Gauss-Legendre points."""
+    x, w = np.polynomial.legendre.leggauss(n)
+    cos = 0.5 * (x + 1.0)
+    return float(np.sum(w * cos * [albedo(np.float32(c)) for c in cos]))
+
+
+def main():
+    planes, ggx_average = make_planes()
+    volumes, glass_average = make_volumes()
+    path = Path(__file__).with_name("energy_tables.npz")
+    np.savez(path, planes=planes, ggx_average=ggx_average, volumes=volumes, glass_average=glass_average)
+    print(f"{path}: {path.stat().st_size} bytes")
+
+
+if __name__ == "__main__":
+    main()
