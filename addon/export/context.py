@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What every part of an export is handed."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import bpy
+
+from ..core import SceneBuilder
+from .report import Report
+from .stand_in import StandIns
+
+
+@dataclass
+class Context:
+    depsgraph: bpy.types.Depsgraph
+    report: Report
+    builder: SceneBuilder
+    width: int  # of the whole frame, in pixels
+    height: int
+    engine: bpy.types.RenderEngine | None = None
+    materials: dict = field(default_factory=dict)  # a material's address in Blender: its number in the builder
+    stand_ins: StandIns = field(default_factory=StandIns)
+
+    @cached_property
+    def scene(self):
+        return self.depsgraph.scene_eval
+
+    @cached_property
+    def view_layer(self):
+        return self.depsgraph.view_layer_eval
+
+    def warn(self, owner, text):
+        self.report.warn(owner, text)

@@ -1,0 +1,167 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""All objects, and all instances of them by collections, geometry nodes and particles: each geometry is read once.
+
+Blender hands everything out as one flat list. What is no mesh but has a surface (text, curves, metaballs) stands in it
+a second time, as a mesh.
+"""
+
+import zlib
+from typing import NamedTuple
+
+import numpy as np
+
+from ..core import Visibility
+from .light import export_light
+from .material import export_materials
+from .mesh import mesh_arrays, point_arrays, sphere_around, without_broken_triangles
+
+RAYS = {
+    "visible_camera": Visibility.CAMERA,
+    "visible_diffuse": Visibility.DIFFUSE,
+    "visible_glossy": Visibility.GLOSSY,
+    "visible_transmission": Visibility.TRANSMISSION,
+    "visible_volume_scatter": Visibility.SCATTER,
+    "visible_shadow": Visibility.SHADOW,
+}
+NOT_RENDERED = {
+    "CURVES": "hair curves",
+    "VOLUME": "volume objects",
+    "GREASEPENCIL": "grease pencil objects",
+    "GPENCIL": "grease pencil objects",
+}
+
+
+class Source(NamedTuple):
+    """What all instances of one object have in common."""
+
+    geometry: int | None  # None: nothing to render
+    materials: tuple
+    name: str
+    visibility: Visibility
+    pass_index: int
+
+
+def export_instances(context):
+    """Objects and lamps. Nothing of an instance may be kept: Blender reuses it for the next one."""
+    geometries, sources, parents = {}, {}, {}
+    for b_instance in context.depsgraph.object_instances:
+        b_object = b_instance.object
+        if b_instance.show_particles:
+            _warn_of_hair(context, b_object)
+        if not b_instance.show_self:
+            continue
+        visibility = Visibility.ALL
+        if b_instance.is_instance:
+            b_parent = b_instance.parent
+            key = b_parent.as_pointer()
+            if key not in parents:
+                parents[key] = _visibility(context, b_parent)
+            visibility = parents[key]
+        if b_object.type == "LIGHT":
+            matrix = np.array(b_instance.matrix_world[:])
+            export_light(context, b_object, matrix, visibility & _visibility(context, b_object))
+            continue
+
+        b_data = b_object.data
+        if b_data is None:
+            continue
+        # an instance made by geometry nodes is handed out in one and the same temporary object every time
+        b_source = b_instance.instance_object if b_instance.is_instance else b_object
+        key = b_source.as_pointer(), b_data.as_pointer()
+        source = sources.get(key)
+        if source is None:
+            source = sources[key] = _source(context, b_object, geometries)
+        visibility = int(visibility & source.visibility)
+        if source.geometry is None or visibility == 0:
+            continue
+        context.builder.instance(
+            source.geometry,
+            np.array(b_instance.matrix_world[:]),
+            source.materials,
+            source.name,
+            visibility,
+            source.pass_index,
+            _random(b_instance, source.name),
+        )
+
+
+def _source(context, b_object, geometries):
+    geometry = _geometry(context, b_object, geometries)
+    if geometry is None:
+        return Source(None, (), b_object.name, Visibility.ALL, 0)
+    for flag, text in (
+        (b_object.is_shadow_catcher, "shadow catchers are not rendered yet; it is an ordinary object"),
+        (_is_holdout(context, b_object), "holdouts are not rendered yet; it is an ordinary object"),
+    ):
+        if flag:
+            context.warn(b_object.name, text)
+    return Source(
+        geometry,
+        export_materials(context, b_object),
+        b_object.name,
+        _visibility(context, b_object),
+        b_object.pass_index,
+    )
+
+
+def _geometry(context, b_object, geometries):
+    """Number of the object's geometry in the builder; None if it has no surface. Objects that share their evaluated
+    data share it: a mesh that no modifier has changed, all instances of an object."""
+    b_data, name = b_object.data, b_object.name
+    is_sphere = getattr(getattr(b_object, "lambent", None), "shape", "MESH") == "SPHERE"
+    key = b_data.as_pointer(), is_sphere
+    if key in geometries:
+        return geometries[key]
+    geometry = None
+    kind = type(b_data).__name__
+    if kind == "Mesh":
+        read = _read_sphere if is_sphere else _read_mesh
+        geometry = read(context, name, b_data)
+    elif kind == "PointCloud" and len(b_data.points):
+        geometry = context.builder.spheres(name, *point_arrays(b_data))
+    elif b_object.type in NOT_RENDERED:
+        context.warn(name, f"{NOT_RENDERED[b_object.type]} are not rendered yet; it is left out")
+    geometries[key] = geometry
+    return geometry
+
+
+def _read_mesh(context, name, b_mesh):
+    arrays = mesh_arrays(b_mesh)
+    if arrays is None:
+        return None
+    arrays, broken = without_broken_triangles(arrays)
+    if broken:
+        context.warn(name, f"{broken} triangles have corners that are not finite numbers; they are left out")
+    return context.builder.mesh(name, *arrays) if len(arrays.triangles) else None
+
+
+def _read_sphere(context, name, b_mesh):
+    return context.builder.spheres(name, *sphere_around(b_mesh)) if len(b_mesh.vertices) else None
+
+
+def _visibility(context, b_object):
+    """Rays that see an object, by its own switches and those of its collections in this view layer."""
+    visibility = Visibility.ALL
+    for name, ray in RAYS.items():
+        if not getattr(b_object, name):
+            visibility &= ~ray
+    if b_object.indirect_only_get(view_layer=context.view_layer):
+        visibility &= ~Visibility.CAMERA
+    return visibility
+
+
+def _is_holdout(context, b_object):
+    return b_object.is_holdout or b_object.holdout_get(view_layer=context.view_layer)
+
+
+def _random(b_instance, name):
+    """A number from 0 to 1 that stays with an instance, or with the name of an object."""
+    number = b_instance.random_id if b_instance.is_instance else zlib.crc32(name.encode())
+    return (number & 0xFFFFFFFF) / 2.0**32
+
+
+def _warn_of_hair(context, b_object):
+    if any(
+        system.settings.type == "HAIR" and system.settings.render_type == "PATH" for system in b_object.particle_systems
+    ):
+        context.warn(b_object.name, "hair particles are not rendered yet; they are left out")

@@ -1,0 +1,274 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What Blender's shading nodes mean, in closures of engine_core/scene/materials.py.
+
+A closure takes the values of its sockets. What a socket is linked to becomes one value, the same all over the surface:
+the true one if the nodes behind it are constant, else the stand-in of `stand_in.py`, and a warning that says so.
+"""
+
+import numpy as np
+
+from ..core import materials as m
+from .graph import Graph, by_identifier, has_nodes, label, source
+
+MOST_CLOSURES = 1000  # a tree may use a shader many times over, and so grow exponentially
+
+
+def material_surface(context, b_material):
+    """The closure of a material's surface."""
+    if not has_nodes(b_material):
+        return m.Diffuse(b_material.diffuse_color[:3])
+    graph = Graph(b_material)
+    output = graph.output()
+    if output is None:
+        return m.Black()
+    translation = Translation(context, b_material.name)
+    surface, volume, displacement = (output.inputs[name] for name in ("Surface", "Volume", "Displacement"))
+    if source(displacement, ()).node:
+        translation.warn(output, "displacement is not rendered yet; the surface stays as it is")
+    if source(volume, ()).node:
+        translation.warn(output, "volumes are not rendered yet; only the surface is")
+        if source(surface, ()).node is None:
+            return m.Transparent()
+    return translation.closure(surface, ())
+
+
+def world_radiance(context, b_world):
+    """Radiance of the world, (3,): the same from everywhere."""
+    return _emitted(context, b_world, lambda: b_world.color[:], nothing=(0.0, 0.0, 0.0))
+
+
+def light_emission(context, b_light):
+    """The factor by which a lamp's own nodes multiply its strength, (3,)."""
+    return _emitted(context, b_light, lambda: (1.0, 1.0, 1.0), nothing=(0.0, 0.0, 0.0))
+
+
+def _emitted(context, b_owner, without_nodes, nothing):
+    if not has_nodes(b_owner):
+        return np.array(without_nodes())
+    graph = Graph(b_owner)
+    output = graph.output()
+    if output is None:
+        return np.array(nothing)
+    return emission(Translation(context, b_owner.name).closure(output.inputs["Surface"], ()))
+
+
+def emission(closure):
+    """What a closure emits, (3,)."""
+    if isinstance(closure, m.Emission):
+        return np.array(closure.color) * closure.strength
+    if isinstance(closure, m.Add):
+        return emission(closure.a) + emission(closure.b)
+    if isinstance(closure, m.Mix):
+        factor = min(max(closure.factor, 0.0), 1.0)
+        return emission(closure.a) * (1.0 - factor) + emission(closure.b) * factor
+    return np.zeros(3)
+
+
+class Translation:
+    """Turns one tree into a closure. Methods are called by the type of the node that they translate."""
+
+    def __init__(self, context, owner):
+        self.context, self.owner, self.count = context, owner, 0
+
+    def warn(self, node, text):
+        self.context.warn(self.owner, f"{label(node)}: {text}")
+
+    def closure(self, socket, groups):
+        """The closure that comes in by a shader socket; Black if nothing does."""
+        node, output, groups = source(socket, groups)
+        if node is None:
+            return m.Black()
+        self.count += 1
+        if self.count > MOST_CLOSURES:
+            self.warn(node, f"the tree holds more than {MOST_CLOSURES} shaders; the rest is black")
+            return m.Black()
+        if output.type != "SHADER":  # Blender takes a bare colour for light
+            return m.Emission(self._value(node, socket, groups, "RGBA"), 1.0)
+        translate = getattr(self, f"_{node.type.lower()}", None)
+        if translate:
+            return translate(Inputs(self, node, groups))
+        self.warn(node, f"{node.bl_label} is not rendered yet; black instead")
+        return m.Black()
+
+    def _value(self, node, socket, groups, kind):
+        value, culprit = self.context.stand_ins.evaluate(socket, groups, kind)
+        if culprit:
+            self.warn(
+                node,
+                f"{socket.name} is linked to {label(culprit)} ({culprit.bl_label}), which is not rendered yet; "
+                f"using {_text(value)}",
+            )
+        return value
+
+    # ---- Combining ----
+
+    def _mix_shader(self, i):
+        a, b = i.sockets("Shader", "Shader_001")
+        factor = i.number("Fac")
+        if factor <= 0.0:
+            return self.closure(a, i.groups)
+        if factor >= 1.0:
+            return self.closure(b, i.groups)
+        return m.Mix(factor, self.closure(a, i.groups), self.closure(b, i.groups))
+
+    def _add_shader(self, i):
+        a, b = i.sockets("Shader", "Shader_001")
+        return m.Add(self.closure(a, i.groups), self.closure(b, i.groups))
+
+    # ---- Emitting ----
+
+    def _emission(self, i):
+        return m.Emission(i.color("Color"), i.number("Strength"))
+
+    _background = _emission
+
+    # ---- Scattering ----
+
+    def _bsdf_diffuse(self, i):
+        i.left_out("Normal")
+        i.taken_as({"Roughness": 0.0})
+        return m.Diffuse(i.color("Color"))
+
+    def _bsdf_translucent(self, i):
+        i.left_out("Normal")
+        return m.Translucent(i.color("Color"))
+
+    def _bsdf_transparent(self, i):
+        return m.Transparent(i.color("Color"))
+
+    def _bsdf_glossy(self, i):
+        return m.Glossy(i.color("Color"), i.number("Roughness"), i.anisotropy(), i.is_multiscatter())
+
+    def _bsdf_metallic(self, i):
+        i.taken_as({"Thin Film Thickness": 0.0})
+        common = {
+            "roughness": i.number("Roughness"),
+            "anisotropy": i.anisotropy(),
+            "multiscatter": i.is_multiscatter(),
+        }
+        if i.node.fresnel_type == "PHYSICAL_CONDUCTOR":
+            return m.Metallic(ior=i.color("IOR"), extinction=i.color("Extinction"), **common)
+        return m.Metallic(i.color("Base Color"), i.color("Edge Tint"), **common)
+
+    def _bsdf_glass(self, i):
+        i.left_out("Normal")
+        i.taken_as({"Thin Film Thickness": 0.0})
+        return m.Glass(i.color("Color"), i.number("Roughness"), i.number("IOR"), i.is_multiscatter())
+
+    def _bsdf_refraction(self, i):
+        i.left_out("Normal")
+        i.is_multiscatter()
+        return m.Refraction(i.color("Color"), i.number("Roughness"), i.number("IOR"))
+
+    def _bsdf_principled(self, i):
+        i.left_out("Normal", "Coat Normal")
+        i.taken_as({"Subsurface Weight": 0.0, "Sheen Weight": 0.0, "Diffuse Roughness": 0.0})
+        i.taken_as({"Thin Film Thickness": 0.0, "Thin Wall": False})
+        return m.Principled(
+            base_color=i.color("Base Color"),
+            metallic=i.factor("Metallic"),
+            roughness=i.number("Roughness"),
+            ior=i.number("IOR"),
+            alpha=i.factor("Alpha"),
+            specular_ior_level=i.number("Specular IOR Level"),
+            specular_tint=i.color("Specular Tint"),
+            anisotropic=i.anisotropy("Anisotropic", "Anisotropic Rotation"),
+            transmission=i.factor("Transmission Weight"),
+            coat_weight=i.factor("Coat Weight"),
+            coat_roughness=i.number("Coat Roughness"),
+            coat_ior=i.number("Coat IOR"),
+            coat_tint=i.color("Coat Tint"),
+            emission_color=i.color("Emission Color"),
+            emission_strength=i.number("Emission Strength"),
+            multiscatter=i.is_multiscatter(),
+        )
+
+    # ---- Not there yet: the nearest of the above ----
+
+    def _instead(self, i, closure):
+        self.warn(i.node, f"{i.node.bl_label} is not rendered yet; {type(closure).__name__} instead")
+        return closure
+
+    def _subsurface_scattering(self, i):
+        return self._instead(i, m.Diffuse(i.color("Color")))
+
+    _bsdf_sheen = _bsdf_hair_principled = _subsurface_scattering
+
+    def _bsdf_toon(self, i):
+        color = i.color("Color")
+        is_glossy = i.node.component == "GLOSSY"
+        return self._instead(i, m.Glossy(color, i.number("Size")) if is_glossy else m.Diffuse(color))
+
+    def _bsdf_hair(self, i):
+        return self._instead(i, m.Glossy(i.color("Color"), i.number("RoughnessU")))
+
+    def _ray_portal_bsdf(self, i):
+        return self._instead(i, m.Transparent(i.color("Color")))
+
+    def _eevee_specular(self, i):
+        specular = m.Principled(
+            base_color=i.color("Base Color"),
+            roughness=i.number("Roughness"),
+            alpha=1.0 - i.factor("Transparency"),
+            emission_color=i.color("Emissive Color"),
+            emission_strength=1.0,
+        )
+        return self._instead(i, specular)
+
+
+class Inputs:
+    """The inputs of one node, by identifier."""
+
+    def __init__(self, translation, node, groups):
+        self.translation, self.node, self.groups = translation, node, groups
+
+    def sockets(self, *names):
+        return [by_identifier(self.node.inputs, name) for name in names]
+
+    def color(self, name):
+        """Three numbers; also for vector sockets."""
+        return self.translation._value(self.node, by_identifier(self.node.inputs, name), self.groups, "RGBA")
+
+    def number(self, name):
+        return self.translation._value(self.node, by_identifier(self.node.inputs, name), self.groups, "VALUE")
+
+    def factor(self, name):
+        return min(max(self.number(name), 0.0), 1.0)
+
+    def anisotropy(self, name="Anisotropy", rotation="Rotation"):
+        """Strength of the anisotropy; reads all inputs that belong to it."""
+        self.left_out("Normal")
+        value = self.number(name)
+        if value != 0.0:
+            self.left_out("Tangent")
+            self.taken_as({rotation: 0.0})
+        return value
+
+    def is_multiscatter(self):
+        distribution = self.node.distribution
+        if distribution not in ("GGX", "MULTI_GGX"):
+            self.translation.warn(self.node, f"{distribution.title()} is not rendered; GGX instead")
+        return distribution == "MULTI_GGX"
+
+    def left_out(self, *names):
+        """Warn of inputs that are linked, and are not rendered."""
+        for name in names:
+            socket = by_identifier(self.node.inputs, name)
+            culprit = source(socket, self.groups).node
+            if culprit:
+                text = f"{socket.name} is linked to {label(culprit)}, which is not rendered yet; left out"
+                self.translation.warn(self.node, text)
+
+    def taken_as(self, neutral):
+        """Warn of inputs that are set to another value than the one that is rendered. Not every Blender has each."""
+        for name, value in neutral.items():
+            socket = by_identifier(self.node.inputs, name)
+            stand_ins = self.translation.context.stand_ins
+            if socket and stand_ins.evaluate(socket, self.groups, "VALUE").value != value:
+                self.translation.warn(self.node, f"{socket.name} is not rendered yet; taken as {_text(value)}")
+
+
+def _text(value):
+    if isinstance(value, tuple):
+        return f"({', '.join(f'{v:.3g}' for v in value)})"
+    return str(value) if isinstance(value, bool) else f"{value:.3g}"
