@@ -33,7 +33,6 @@ STACK = np.dtype(
 )
 stack_scratch = stack_record(STACK)
 
-TINY = np.float32(1e-20)
 # Rounding may put the far side of a flat box in front of its near side. Seen as far as this, it never does (Ize 2013).
 FAR_SCALE = np.float32(1.0 + 4 * 2.0**-23)
 
@@ -56,15 +55,9 @@ class Slabs(NamedTuple):
 
 
 @kernel
-def inverse(x):
-    """1 / x, but finite: a ray along the plane of a flat box must not come to 0 times infinity."""
-    return ONE / (x if abs(x) > TINY else TINY)
-
-
-@kernel
 def make_slabs(o, d):
     """The ray o + t d, prepared for boxes."""
-    ix, iy, iz = inverse(d.x), inverse(d.y), inverse(d.z)
+    ix, iy, iz = ONE / d.x, ONE / d.y, ONE / d.z
     return Slabs(
         0 if ix >= 0.0 else 3,
         1 if iy >= 0.0 else 4,
@@ -83,21 +76,17 @@ def make_slabs(o, d):
 
 @kernel
 def enter_boxes(node, slabs, t_max):
-    """Which children of a node the ray meets before `t_max`, as bits, and in lanes where it enters them."""
-    near = maximum(
-        maximum(
-            (load8(node, "bounds", slabs.near_x) - slabs.ox) * slabs.near_ix,
-            (load8(node, "bounds", slabs.near_y) - slabs.oy) * slabs.near_iy,
-        ),
-        maximum((load8(node, "bounds", slabs.near_z) - slabs.oz) * slabs.near_iz, splat8(ZERO)),
-    )
-    far = minimum(
-        minimum(
-            (load8(node, "bounds", 3 - slabs.near_x) - slabs.ox) * slabs.far_ix,
-            (load8(node, "bounds", 5 - slabs.near_y) - slabs.oy) * slabs.far_iy,
-        ),
-        minimum((load8(node, "bounds", 7 - slabs.near_z) - slabs.oz) * slabs.far_iz, splat8(t_max)),
-    )
+    """Which children of a node the ray meets before `t_max`, as bits, and in lanes where it enters them.
+
+    A ray along a plane of a box gets 0 times infinity there. `maximum` and `minimum` return their second argument if
+    the first is not a number: so that plane does not count, and the ray is taken to be inside.
+    """
+    near = maximum((load8(node, "bounds", slabs.near_z) - slabs.oz) * slabs.near_iz, splat8(ZERO))
+    near = maximum((load8(node, "bounds", slabs.near_y) - slabs.oy) * slabs.near_iy, near)
+    near = maximum((load8(node, "bounds", slabs.near_x) - slabs.ox) * slabs.near_ix, near)
+    far = minimum((load8(node, "bounds", 7 - slabs.near_z) - slabs.oz) * slabs.far_iz, splat8(t_max))
+    far = minimum((load8(node, "bounds", 5 - slabs.near_y) - slabs.oy) * slabs.far_iy, far)
+    far = minimum((load8(node, "bounds", 3 - slabs.near_x) - slabs.ox) * slabs.far_ix, far)
     return bits(near <= far), near
 
 

@@ -40,10 +40,15 @@ def build_triangles(p):
 
 
 def build_boxes(lo, hi):
-    """The tree over boxes from `lo` to `hi`, float32 (n, 3), one a leaf. Returns NODE rows and the order of leaves."""
+    """The tree over boxes from `lo` to `hi`, (n, 3), one a leaf. Returns rows of NODE and the order of leaves, int32.
+
+    Boxes are widened by some roundings: what is in them is met by other arithmetic, in a space of its own.
+    """
     _check(len(lo))
     boxes = aligned_rows(len(lo), BOX)
-    boxes["lo"], boxes["hi"], boxes["prim"] = lo, hi, np.arange(len(lo))
+    lo, hi = np.asarray(lo, np.float64), np.asarray(hi, np.float64)
+    margin = 8 * 2.0**-24 * np.maximum(np.abs(lo), np.abs(hi))
+    boxes["lo"], boxes["hi"], boxes["prim"] = lo - margin, hi + margin, np.arange(len(lo))
     nodes, _ = _build(boxes, np.empty(0, CORNERS), leaf_size=1, block_shift=0)
     return nodes, boxes["prim"].copy()
 

@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Trees: everything is in them once, inside all boxes on the way to it, and no input makes them too deep."""
+
+import numpy as np
+import pytest
+
+from engine_core.accel.binary import MAX_DEPTH
+from engine_core.accel.boxes import STACK_ROWS
+from engine_core.accel.build import build_boxes, build_triangles, rebase, rebase_packets
+
+RANDOM = np.random.default_rng(7)
+
+
+def soup(count, size=0.1):
+    return (RANDOM.random((count, 1, 3)) + size * RANDOM.random((count, 3, 3))).astype(np.float32)
+
+
+def geometric_progression():
+    """Triangles that halve in distance: any split by area takes off a few only."""
+    scale = 2.0 ** -np.arange(0, 120, 0.125)
+    return (np.array([[1, 0, 0], [1, 0.1, 0], [1, 0, 0.1]]) * scale[:, None, None]).astype(np.float32)
+
+
+TRIANGLES = {
+    "one": soup(1),
+    "three": soup(3),
+    "nine": soup(9),
+    "thousand": soup(1000),
+    "identical": np.repeat(soup(1), 1000, axis=0),
+    "points": np.repeat(soup(500)[:, :1], 3, axis=1),
+    "slivers": soup(500) * np.float32([1, 1e-6, 1]),
+    "in a plane": soup(500) * np.float32([1, 0, 1]),
+    "on a line": soup(500) * np.float32([0, 0, 1]),
+    "huge": soup(500) * np.float32(1e30),
+    "largest": (soup(500) - np.float32(0.5)) * np.float32(3e38),
+    "tiny": soup(500) * np.float32(1e-40),
+    "far away": soup(500) + np.float32(1e7),
+    "geometric progression": geometric_progression(),
+    # on a line all areas are 0, and any split as good as the next: without a limit each would take off a few triangles
+    "chain": geometric_progression() * np.float32([-1, 0, 0]),
+}
+
+
+def leaves(nodes):
+    """(first, count, path of (node, child)) of all leaves."""
+    found, todo = [], [(0, ())]
+    while todo:
+        n, path = todo.pop()
+        node = nodes[n]
+        for c in range(8):
+            if node["bounds"][0, c] > node["bounds"][3, c]:
+                continue
+            child = int(node["child"][c])
+            here = (*path, (n, c))
+            if child >= 0:
+                todo.append((child, here))
+            else:
+                found.append(((~child) >> 2, ((~child) & 3) + 1, here))
+    return found
+
+
+@pytest.mark.parametrize("name", TRIANGLES)
+def test_triangles_are_in_the_tree_once_and_inside_its_boxes(name):
+    p = TRIANGLES[name]
+    nodes, packets = build_triangles(p)
+    seen = []
+    for first, count, path in leaves(nodes):
+        held = packets[first : first + count]["prim"].ravel()
+        held = held[held >= 0]
+        seen.extend(held)
+        for n, c in path:
+            assert (p[held] >= nodes[n]["bounds"][:3, c]).all()
+            assert (p[held] <= nodes[n]["bounds"][3:, c]).all()
+    assert sorted(seen) == list(range(len(p)))
+
+
+@pytest.mark.parametrize("name", TRIANGLES)
+def test_packets_hold_the_corners_and_fill_up_with_triangles_without_area(name):
+    p = TRIANGLES[name]
+    _, packets = build_triangles(p)
+    corners = packets["p"].transpose(0, 3, 1, 2).reshape(-1, 3, 3)
+    prim = packets["prim"].ravel()
+    np.testing.assert_array_equal(corners[prim >= 0], p[prim[prim >= 0]])
+    assert (corners[prim < 0] == corners[prim < 0][:, :1]).all()
+
+
+@pytest.mark.parametrize("name", TRIANGLES)
+def test_the_stack_of_traversal_holds_any_tree(name):
+    nodes, _ = build_triangles(TRIANGLES[name])
+    needed = {0: 1}
+    deepest = 0
+    todo = [(0, 1, 1)]
+    while todo:
+        n, depth, below = todo.pop()
+        child = nodes[n]["child"][nodes[n]["bounds"][0] <= nodes[n]["bounds"][3]]
+        deepest, needed[0] = max(deepest, depth), max(needed[0], below + len(child))
+        todo += [(c, depth + 1, below + len(child) - 1) for c in child if c >= 0]
+    assert deepest <= MAX_DEPTH
+    assert needed[0] <= STACK_ROWS
+
+
+def test_boxes_are_in_the_order_of_their_leaves():
+    lo = RANDOM.random((1000, 3)).astype(np.float32)
+    hi = lo + RANDOM.random((1000, 3)).astype(np.float32) * np.float32(0.1)
+    nodes, order = build_boxes(lo, hi)
+    found = leaves(nodes)
+    assert sorted(first for first, _, _ in found) == list(range(1000))
+    assert {count for _, count, _ in found} == {1}
+    for first, _, path in found:
+        for n, c in path:
+            assert (lo[order[first]] >= nodes[n]["bounds"][:3, c]).all()
+            assert (hi[order[first]] <= nodes[n]["bounds"][3:, c]).all()
+
+
+def test_nothing_makes_no_tree():
+    with pytest.raises(ValueError, match="not 0"):
+        build_triangles(np.zeros((0, 3, 3), np.float32))
+    with pytest.raises(ValueError, match="not 0"):
+        build_boxes(np.zeros((0, 3)), np.zeros((0, 3)))
+
+
+def test_rebased_trees_say_the_same_of_other_rows():
+    nodes, packets = build_triangles(soup(300))
+    before = leaves(nodes)
+    moved = np.concatenate([nodes[:3], nodes])
+    own = moved[3:].copy()
+    rebase(own, 3, 1000)
+    moved[3:] = own
+    inner = nodes["child"] > 0
+    np.testing.assert_array_equal(own["child"][inner], nodes["child"][inner] + 3)
+    leaf = nodes["child"] < 0
+    np.testing.assert_array_equal((~own["child"][leaf]) >> 2, ((~nodes["child"][leaf]) >> 2) + 1000)
+    np.testing.assert_array_equal((~own["child"][leaf]) & 3, (~nodes["child"][leaf]) & 3)
+    assert before
+    prim = packets["prim"].copy()
+    rebase_packets(packets, 77)
+    np.testing.assert_array_equal(packets["prim"], np.where(prim >= 0, prim + 77, -1))
+
+
+def test_building_twice_gives_the_same_tree():
+    p = soup(2000)
+    for first, second in zip(build_triangles(p), build_triangles(p), strict=True):
+        np.testing.assert_array_equal(first, second)
