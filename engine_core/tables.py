@@ -103,7 +103,7 @@ PACKET = np.dtype(
 TRIANGLE = np.dtype(
     [  # what shading needs of a triangle; positions stand here as the mesh has them
         ("p", "f4", (3, 3)),  # corners
-        ("n", "f4", (3, 3)),  # unit shading normals at the corners
+        ("n", "f4", (3, 3)),  # shading normals at the corners; only the interpolated one is made unit
         ("uv", "f4", (3, 2)),
         ("slot", "i4"),  # material slot of the object
         ("instance", "i4"),  # row of INSTANCE if positions are in world space already, else -1: ask the hit

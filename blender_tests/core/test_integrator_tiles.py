@@ -37,7 +37,7 @@ def test_a_crop_is_a_part_of_the_whole(room):
 
 def test_seeds_give_other_noise(room):
     a, b = (picture(room, size=32, samples=4, seed=seed) for seed in (0, 1))
-    assert (a != b).mean() > 0.5
+    assert (a != b)[..., :3].mean() > 0.5
     assert a.mean() == pytest.approx(b.mean(), rel=0.05)
 
 
@@ -102,13 +102,17 @@ def test_passes_begin_rough_and_add_up(samples):
     assert passes[0] == 1
 
 
-def test_error_estimate_is_the_true_error(room):
-    """Against a reference of many more samples, the estimate of 64 samples is right within a quarter."""
-    reference = Render(room.build(), settings(64, samples=4096, seed=1))
+def test_error_estimate_is_safe_and_not_far_off():
+    """Against a reference of many more samples. Two halves of a well-spread set are worse than half as good as the
+    whole, so the estimate is up to half too large where the integrand is smooth; it has to err on that side alone."""
+    b = builder(eye=(0, -0.9, 0.3), target=(0, 0, -0.3), field_of_view=70)
+    cube(b, Diffuse((0.7, 0.7, 0.7)))
+    b.point_light("Lamp", (0.3, 0.2, 0.6), (30, 30, 30), radius=0.2)
+    reference = Render(b.build(), settings(64, samples=4096, seed=1))
     reference.run()
     r = reference.image("Combined")[..., :3].mean(axis=-1)
-    render = Render(room.build(), settings(64, samples=64))
+    render = Render(b.build(), settings(64, samples=64))
     render.run()
     x = render.image("Combined")[..., :3].mean(axis=-1)
     true = np.sqrt(np.mean((x - r) ** 2 / (r**2 + 0.01)))
-    assert render.error_estimate == pytest.approx(true, rel=0.25)
+    assert 0.95 * true < render.error_estimate < 1.5 * true

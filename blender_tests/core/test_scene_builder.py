@@ -8,6 +8,7 @@ from blender_tests.helpers.scenes import CUBE_CORNERS, CUBE_TRIANGLES, builder, 
 from engine_core.scene.builder import SceneBuilder
 from engine_core.scene.checks import SceneError
 from engine_core.scene.materials import Add, Black, Diffuse, Emission, Glossy, Mix, Principled, lower
+from engine_core.settings import IntegratorKind
 from engine_core.tables import LobeKind, Visibility
 
 
@@ -62,8 +63,16 @@ SHEAR = np.array([[1.0, 0.4, 0, 0.2], [0, 0.8, 0, 0], [0, 0.3, -0.7, 0.1], [0, 0
 
 
 @pytest.mark.parametrize("matrix", [np.diag([0.7, 0.5, 0.9, 1.0]), SHEAR], ids=["scaled", "sheared and mirrored"])
-@pytest.mark.parametrize("surface", [Diffuse((0.7, 0.5, 0.3)), Add(Diffuse((0.5, 0.5, 0.5)), Emission())])
-def test_instances_look_as_if_they_stood_in_the_world(matrix, surface):
+@pytest.mark.parametrize(
+    ("surface", "integrator"),
+    [
+        (Diffuse((0.7, 0.5, 0.3)), IntegratorKind.PATH),
+        # without light sampling, which would choose the far cube now and then
+        (Add(Diffuse((0.5, 0.5, 0.5)), Emission()), IntegratorKind.BRUTE_FORCE),
+    ],
+    ids=["diffuse", "emissive"],
+)
+def test_instances_look_as_if_they_stood_in_the_world(matrix, surface, integrator):
     """The same smooth mesh in the world's tree, and behind a transform (since a second instance is far away)."""
     normals = CUBE_CORNERS[CUBE_TRIANGLES] / np.sqrt(3.0)
     pictures = []
@@ -78,13 +87,12 @@ def test_instances_look_as_if_they_stood_in_the_world(matrix, surface):
             b.instance(mesh, far, [material])
         b.background((0.3, 0.3, 0.3))
         b.sun_light("Sun", (0.3, 1, -1), (1, 1, 1))
-        pictures.append(picture(b, size=32, samples=64))
-    # rays meet the same places up to rounding; light sampling differs where the far cube is chosen
-    difference = pictures[1][..., :3] - pictures[0][..., :3]
-    assert pictures[0].std() > 0.05
-    error = difference.std() / np.sqrt(difference.size)
-    assert abs(difference.mean()) < 4 * error + 1e-4
-    assert np.quantile(np.abs(difference), 0.95) < 0.1
+        pictures.append(picture(b, size=32, samples=64, integrator=integrator))
+    assert pictures[0][..., :3].std() > 0.03
+    # rays meet the same places up to rounding; only at an outline may one of 64 samples miss what the other hits
+    difference = np.abs(pictures[1] - pictures[0])
+    assert np.quantile(difference, 0.99) < 1e-5
+    assert difference.mean() < 1e-3
 
 
 def test_objects_invisible_to_the_camera_still_light():
@@ -92,8 +100,8 @@ def test_objects_invisible_to_the_camera_still_light():
     sphere(b, Diffuse((0.8, 0.8, 0.8)), (0, 0, -1), 0.5)
     sphere(b, Emission((1, 1, 1), 5.0), (0, 0, 1), 0.5, visibility=Visibility.ALL & ~Visibility.CAMERA)
     image = picture(b, size=32, samples=16)
-    assert image[18:].max() == 0.0
-    assert image[:16].max() > 0.1
+    assert image[18:, :, :3].max() == 0.0
+    assert image[:16, :, :3].max() > 0.1
 
 
 def test_slots_beyond_the_last_use_the_last():
@@ -123,7 +131,7 @@ def test_equal_lobes_merge_and_too_many_are_told():
     lobes, _, dropped = lower(tower)
     assert len(lobes) == 8
     assert len(dropped) == 5
-    np.testing.assert_allclose(lobes.weight[lobes.kind == LobeKind.DIFFUSE].sum(), 12 * 0.5 * 0.01 * 3, rtol=1e-5)
+    np.testing.assert_allclose(lobes.weight[lobes.kind == LobeKind.DIFFUSE].sum(), 12 * 0.5 * 0.01 * 3, rtol=1e-4)
 
 
 def test_principled_parts_share_out_the_weight():

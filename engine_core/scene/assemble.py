@@ -386,7 +386,8 @@ def _concatenate(parts, dtype):
 def fill_triangles(rows, positions, triangles, normals, uvs, slots, matrix, inverted, instance):
     """Fill rows of TRIANGLE: gather corners, move them by `matrix`, and normals by the transpose of `inverted`.
 
-    A transform that mirrors would turn triangles inside out; their second and third corner change places.
+    A transform that mirrors would turn triangles inside out; their second and third corner change places. Moved normals
+    keep their length, so that interpolating them gives the same direction here and behind an instance's transform.
     """
     determinant = (
         matrix[0, 0] * (matrix[1, 1] * matrix[2, 2] - matrix[1, 2] * matrix[2, 1])
@@ -431,9 +432,9 @@ def fill_triangles(rows, positions, triangles, normals, uvs, slots, matrix, inve
                     )
                     row.n[corner, k] = moved
                     total += moved * moved
-            scale = 1.0 / np.sqrt(total) if total > 0.0 else 0.0
-            for k in range(3):
-                row.n[corner, k] = row.n[corner, k] * scale if total > 0.0 else n[k]
+            if total == 0.0:
+                for k in range(3):
+                    row.n[corner, k] = n[k]
         row.slot = slots[i] if slots.shape[0] > 0 else 0
         row.instance = instance
         row.light = -1

@@ -51,7 +51,7 @@ def load_scene(path):
                     raise SceneError(f"{name}: table {table} is damaged")
                 tables[table] = np.frombuffer(raw.tobytes(), dtype).copy()
             settings = Settings(**header["settings"])
-    except (OSError, KeyError, ValueError, TypeError, zipfile.BadZipFile) as error:
+    except (OSError, EOFError, KeyError, ValueError, TypeError, zipfile.BadZipFile) as error:
         if isinstance(error, (SceneError, FileNotFoundError)):
             raise
         raise SceneError(f"{name}: cannot be read as a scene file ({error})") from None

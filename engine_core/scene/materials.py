@@ -140,7 +140,7 @@ def lower(surface):
     rows, dropped = _merge_equal(lowering.rows), []
     if len(rows) > MAX_LOBES:
         # the faintest go; the others keep their order, which layers depend on
-        rank = np.argsort([-np.mean(row["weight"]) for row in rows], kind="stable")
+        rank = np.argsort([-np.mean(row["weight"] * np.minimum(row["f0"], 1.0)) for row in rows], kind="stable")
         dropped = [LobeKind(rows[i]["kind"]).name.lower() for i in rank[MAX_LOBES:]]
         rows = [rows[i] for i in sorted(rank[:MAX_LOBES])]
     lobes = np.zeros(len(rows), LOBE)
