@@ -106,11 +106,12 @@ def test_mean_reflectances_are_the_means():
 
 @kernel
 def _areas(row, wo, h, out):
+    so = microfacet.stretched_length(row, wo)
     for i in range(len(h)):
         n = Vec3(h[i, 0], h[i, 1], h[i, 2])
         cos_h = n.x * wo.x + n.y * wo.y + n.z * wo.z
         out[i, 0] = microfacet.distribution(row, n) * max(n.z, 0.0)
-        out[i, 1] = microfacet.visible_normal_pdf(row, wo, n, cos_h) if n.z > 0.0 and cos_h > 0.0 else 0.0
+        out[i, 1] = microfacet.visible_normal_pdf(row, wo, so, n, cos_h) if n.z > 0.0 and cos_h > 0.0 else 0.0
 
 
 @pytest.mark.parametrize("widths", [(0.1, 0.1), (0.5, 0.5), (1.0, 1.0), (0.6, 0.15)])

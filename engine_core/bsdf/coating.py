@@ -41,10 +41,8 @@ def albedo(lobe, wo):
     if wo.z <= 0.0:
         return BLACK
     f0 = f0_of_ior(lobe.ior)
-    share = energy.ggx_albedo(lobe, wo.z)
-    s = (energy.dielectric_reflection(lobe, wo.z) - f0 * share) / (1.0 - f0)
-    f0_tinted = f0_of_coating(lobe.ior, load3(lobe, "f0"))
-    return (f0_tinted * (share - s) + WHITE * s) * lobe.energy_scale
+    s = (energy.mean_dielectric(lobe, wo.z) - f0) / (1.0 - f0)
+    return lerp(f0_of_coating(lobe.ior, load3(lobe, "f0")), WHITE, s) * energy.mirror_share(lobe, wo.z)
 
 
 # ---- Fresnel and what lies below -------------------------------------------------------------------------------------

@@ -43,10 +43,11 @@ def sample(lobe, wo, u_choice, u0, u1):
 def albedo(lobe, wo):
     if wo.z <= 0.0:
         return BLACK
+    share = energy.mirror_share(lobe, wo.z)
     if lobe.fresnel == FresnelKind.CONSTANT:
-        return load3(lobe, "f0") * (energy.ggx_albedo(lobe, wo.z) * lobe.energy_scale)
+        return load3(lobe, "f0") * share
     f0, b = as_f82(lobe)
-    return energy.f82_albedo(lobe, wo.z, f0, b) * lobe.energy_scale
+    return energy.mean_f82(lobe, wo.z, f0, b) * share
 
 
 # ---- Fresnel ---------------------------------------------------------------------------------------------------------

@@ -21,8 +21,9 @@ def evaluate_and_pdf(lobe, wo, wi):
     if jacobian == 0.0:
         return nothing()
     reflected, refracted, p, _ = halves(lobe, cos_h)
-    density = microfacet.visible_normal_pdf(lobe, wo, h, cos_h) * jacobian
-    scale = density * microfacet.unshadowed(lobe, wo, wi) * lobe.energy_scale
+    so = microfacet.stretched_length(lobe, wo)
+    density = microfacet.visible_normal_pdf(lobe, wo, so, h, cos_h) * jacobian
+    scale = density * microfacet.unshadowed(lobe, wo, so, wi) * lobe.energy_scale
     if is_reflection:
         return LobeValue(reflected * scale, p * density)
     return LobeValue(refracted * scale, (1.0 - p) * density)
@@ -34,7 +35,8 @@ def sample(lobe, wo, u_choice, u0, u1):
     if wo.z <= 0.0:
         return no_direction()
     is_delta = microfacet.passes_straight(lobe)
-    h = UP if is_delta else microfacet.sample_visible_normal(lobe, wo, u0, u1)
+    so = microfacet.stretched_length(lobe, wo)
+    h = UP if is_delta else microfacet.sample_visible_normal(lobe, wo, so, u0, u1)
     cos_h = dot(wo, h)
     reflected, refracted, p, cos_t = halves(lobe, cos_h)
     is_reflection = u_choice < p
@@ -48,8 +50,8 @@ def sample(lobe, wo, u_choice, u0, u1):
     if is_delta:
         return LobeSample(wi, weight, p, True)
     jacobian = microfacet.jacobian(wo, wi, h, 1.0 if is_reflection else lobe.ior)
-    pdf = p * microfacet.visible_normal_pdf(lobe, wo, h, cos_h) * jacobian
-    return LobeSample(wi, weight * (microfacet.unshadowed(lobe, wo, wi) * lobe.energy_scale), pdf, False)
+    pdf = p * microfacet.visible_normal_pdf(lobe, wo, so, h, cos_h) * jacobian
+    return LobeSample(wi, weight * (microfacet.unshadowed(lobe, wo, so, wi) * lobe.energy_scale), pdf, False)
 
 
 @kernel
@@ -61,7 +63,7 @@ def albedo(lobe, wo):
         reflected, refracted, _, _ = halves(lobe, wo.z)
         return reflected + refracted
     share = energy.glass_albedo(lobe, wo.z)
-    reflection = min(energy.dielectric_reflection(lobe, wo.z), share)
+    reflection = min(energy.mean_dielectric(lobe, wo.z) * energy.ggx_albedo(lobe, wo.z), share)
     tinted = load3(lobe, "reflect_tint") * reflection + load3(lobe, "refract_tint") * (share - reflection)
     return tinted * lobe.energy_scale
 

@@ -132,27 +132,27 @@ def prepare(bsdf, wo, backfacing):
     what coatings reflect not reach what lies below, and shares out the lobes' probability by what they give back.
     """
     wo_local = to_local(bsdf, wo)
-    alone = bsdf.count == 1
     total = ZERO
     for i in range(bsdf.count):
         lobe = bsdf.lobes[i]
         if backfacing and (lobe.kind == LobeKind.DIELECTRIC or lobe.kind == LobeKind.REFRACTION):
             lobe.ior = 1.0 / lobe.ior
         lobe.energy_scale = ONE
-        darkening = _compensate(lobe, wo_local) if lobe.multiscatter and wo_local.z > 0.0 else WHITE
-        weight = load3(lobe, "weight") * darkening
-        store3(lobe, "weight", weight)
-        if alone:
-            lobe.pmf = ZERO if is_black(weight) else ONE
+        darkening = WHITE
+        if lobe.multiscatter and wo_local.z > 0.0:
+            darkening = _compensate(lobe, wo_local)
+            store3(lobe, "weight", load3(lobe, "weight") * darkening)
+        if bsdf.count == 1:
+            lobe.pmf = ZERO if is_black(load3(lobe, "weight")) else ONE
             return
         share = lobe_albedo(lobe, wo_local)
+        lobe.pmf = average(load3(lobe, "weight") * share)
+        total += lobe.pmf
         if lobe.covers > 0.0:
             _cover(bsdf, i, wo_local, share * darkening)
-        lobe.pmf = average(weight * share)
-        total += lobe.pmf
+    scale = 1.0 / total if total > 0.0 else ZERO
     for i in range(bsdf.count):
-        lobe = bsdf.lobes[i]
-        lobe.pmf = lobe.pmf / total if total > 0.0 else ZERO
+        bsdf.lobes[i].pmf *= scale
 
 
 @kernel

@@ -15,6 +15,7 @@ import numpy as np
 from ..jit import kernel
 from ..linalg.vec3 import WHITE, lerp
 from .fresnel import fresnel_dielectric
+from .lobe import ONE
 
 # Coordinates, all 0 to 1: roughness = sqrt(alpha); view = cos (1 + alpha) / (cos + alpha), as albedos change where cos
 # is like alpha; index = sqrt |(ior - 1) / (ior + 1)|. Small enough to be constants in the machine code.
@@ -31,38 +32,42 @@ GLASS = 0  # albedo of glass, reflection and refraction, seen from outside: ior 
 GLASS_INSIDE = 1  # ... from inside; GLASS_AVERAGE[0 or 1, index, roughness] are their means
 FRESNEL = 2  # mean reflectance of a dielectric, from outside, over that of a smooth surface
 
-# ---- Albedos of single scattering, by the cosine of wo ---------------------------------------------------------------
+# ---- Single scattering, by the cosine of wo --------------------------------------------------------------------------
 
 
 @kernel
 def ggx_albedo(lobe, cos):
-    """Share of light that a rough mirror without Fresnel gives back."""
+    """Share of light that a rough mirror without Fresnel gives back by single scattering."""
     alpha = _alpha(lobe)
     return _plane(GGX, math.sqrt(alpha), _view(cos, alpha))
 
 
 @kernel
-def f82_albedo(lobe, cos, f0, b):
-    """Albedo of a rough metal, for the curve f0 + (1 - f0) (1 - cos)^5 - b cos (1 - cos)^6."""
-    roughness = math.sqrt(_alpha(lobe))
-    mean = lerp(f0, WHITE, _plane(SCHLICK, roughness, cos)) - b * _plane(SCHLICK_F82, roughness, cos)
-    return mean * ggx_albedo(lobe, cos)
+def mirror_share(lobe, cos):
+    """The same with what `compensate` makes up for, which is all."""
+    return ONE if lobe.multiscatter else ggx_albedo(lobe, cos)
 
 
 @kernel
-def dielectric_reflection(lobe, cos):
-    """Share of light that a rough dielectric reflects, one colour. From inside (ior < 1) an estimate: as if smooth."""
-    alpha = _alpha(lobe)
+def mean_f82(lobe, cos, f0, b):
+    """Mean reflectance of the microfacets of a metal, for the curve f0 + (1 - f0) (1 - cos)^5 - b cos (1 - cos)^6."""
+    roughness = math.sqrt(_alpha(lobe))
+    return lerp(f0, WHITE, _plane(SCHLICK, roughness, cos)) - b * _plane(SCHLICK_F82, roughness, cos)
+
+
+@kernel
+def mean_dielectric(lobe, cos):
+    """Mean reflectance of the microfacets of a dielectric. From inside (ior < 1) an estimate: as if smooth."""
     smooth, _ = fresnel_dielectric(cos, lobe.ior)
-    share = smooth * ggx_albedo(lobe, cos)
     if lobe.ior <= 1.0:
-        return share
-    return share * _volume(FRESNEL, _index(lobe.ior), math.sqrt(alpha), _view(cos, alpha))
+        return smooth
+    alpha = _alpha(lobe)
+    return smooth * _volume(FRESNEL, _index(lobe.ior), math.sqrt(alpha), _view(cos, alpha))
 
 
 @kernel
 def glass_albedo(lobe, cos):
-    """Share of light that white glass gives back, reflected and refracted."""
+    """Share of light that white glass gives back by single scattering, reflected and refracted."""
     alpha = _alpha(lobe)
     side = GLASS_INSIDE if lobe.ior < 1.0 else GLASS
     return _volume(side, _index(lobe.ior), math.sqrt(alpha), _view(cos, alpha))
@@ -154,9 +159,13 @@ def _volume(which, x, y, z):
     i, r = _cell(x, VOLUMES.shape[1])
     j, s = _cell(y, VOLUMES.shape[2])
     k, t = _cell(z, VOLUMES.shape[3])
-    result = np.float32(0.0)
-    for di in range(2):
-        for dj in range(2):
-            edge = lerp(VOLUMES[which, i + di, j + dj, k], VOLUMES[which, i + di, j + dj, k + 1], t)
-            result += edge * (r if di else 1.0 - r) * (s if dj else 1.0 - s)
-    return result
+    return lerp(
+        lerp(_edge(which, i, j, k, t), _edge(which, i, j + 1, k, t), s),
+        lerp(_edge(which, i + 1, j, k, t), _edge(which, i + 1, j + 1, k, t), s),
+        r,
+    )
+
+
+@kernel
+def _edge(which, i, j, k, t):
+    return lerp(VOLUMES[which, i, j, k], VOLUMES[which, i, j, k + 1], t)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Makes `energy_tables.npz`: how much light GGX microfacets give back. Run as `python -m engine_core.bsdf.make_tables`.
 
-Integrates over visible normals with the kernels of `microfacet`, on a grid of midpoints; half a minute.
+Integrates over visible normals with the kernels of `microfacet`, on a grid of midpoints; ten seconds.
 See `energy.py` for what the tables mean and for their coordinates.
 """
 
@@ -14,7 +14,7 @@ from ..jit import kernel
 from ..linalg.vec3 import Vec3, dot, reflect
 from ..tables import LOBE
 from .fresnel import fresnel_dielectric, schlick
-from .microfacet import refract, sample_visible_normal, unshadowed
+from .microfacet import refract, sample_visible_normal, stretched_length, unshadowed
 
 PLANE_SIZE, VOLUME_SIZE = 32, 16
 SMALLEST = 1e-3  # stands for 0 where a coordinate may not be 0
@@ -25,15 +25,15 @@ LARGEST = 0.995  # stands for 1: an ior of 200
 def mirror(lobe, cos, n):
     """(albedo, mean (1 - cos)^5, mean cos (1 - cos)^6) of a mirror without Fresnel, by n x n microfacets."""
     wo = Vec3(math.sqrt(max(1.0 - cos * cos, 0.0)), 0.0, cos)
+    so = stretched_length(lobe, wo)
     total, fifth, sixth = np.float64(0), np.float64(0), np.float64(0)
     for i in range(n):
         for j in range(n):
-            h = sample_visible_normal(
-                lobe, wo, (np.float32(i) + 0.5) / np.float32(n), (np.float32(j) + 0.5) / np.float32(n)
-            )
+            u0, u1 = (np.float32(i) + 0.5) / np.float32(n), (np.float32(j) + 0.5) / np.float32(n)
+            h = sample_visible_normal(lobe, wo, so, u0, u1)
             wi, cos_h = reflect(wo, h), dot(wo, h)
             if wi.z > 0.0:
-                weight = unshadowed(lobe, wo, wi)
+                weight = unshadowed(lobe, wo, so, wi)
                 total += weight
                 fifth += weight * schlick(cos_h)
                 sixth += weight * schlick(cos_h) * cos_h * (1.0 - cos_h)
@@ -44,20 +44,20 @@ def mirror(lobe, cos, n):
 def glass(lobe, cos, n):
     """(reflected, refracted) share of light, by n x n microfacets; `ior` of the lobe."""
     wo = Vec3(math.sqrt(max(1.0 - cos * cos, 0.0)), 0.0, cos)
+    so = stretched_length(lobe, wo)
     reflected, refracted = np.float64(0), np.float64(0)
     for i in range(n):
         for j in range(n):
-            h = sample_visible_normal(
-                lobe, wo, (np.float32(i) + 0.5) / np.float32(n), (np.float32(j) + 0.5) / np.float32(n)
-            )
+            u0, u1 = (np.float32(i) + 0.5) / np.float32(n), (np.float32(j) + 0.5) / np.float32(n)
+            h = sample_visible_normal(lobe, wo, so, u0, u1)
             cos_h = dot(wo, h)
             reflectance, cos_t = fresnel_dielectric(cos_h, lobe.ior)
             wi = reflect(wo, h)
             if wi.z > 0.0:
-                reflected += reflectance * unshadowed(lobe, wo, wi)
+                reflected += reflectance * unshadowed(lobe, wo, so, wi)
             wi = refract(wo, h, cos_h, cos_t, lobe.ior)
             if cos_t > 0.0 and wi.z < 0.0:
-                refracted += (1.0 - reflectance) * unshadowed(lobe, wo, wi)
+                refracted += (1.0 - reflectance) * unshadowed(lobe, wo, so, wi)
     return reflected / (n * n), refracted / (n * n)
 
 
@@ -70,6 +70,7 @@ def make_planes(points=400):
         for j, y in enumerate(axis):
             planes[0, i, j] = mirror(lobe, cos_of_view(y, lobe.alpha_x), points)[0]
             planes[1:, i, j] = mirror(lobe, np.float32(max(y, SMALLEST)), points)[1:]
+    planes[planes < 1e-20] = 0.0  # numbers so small that processors are slow with them
     average = [mean_over_views(lambda cos, lobe=lobe: mirror(lobe, cos, 64)[0]) for lobe in map(lobe_of, axis)]
     return planes, np.array(average, np.float32)
 

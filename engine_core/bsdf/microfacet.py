@@ -40,38 +40,39 @@ def stretched_length(lobe, w):
 @kernel
 def distribution(lobe, h):
     """D(h): area of microfacets with normal h, per solid angle and area of the surface (Walter et al. 2007, eq. 33)."""
-    x, y = h.x / lobe.alpha_x, h.y / lobe.alpha_y
-    r2 = x * x + y * y + h.z * h.z
-    return INV_PI / (lobe.alpha_x * lobe.alpha_y * r2 * r2)
+    both = lobe.alpha_x * lobe.alpha_y
+    x, y, z = h.x * lobe.alpha_y, h.y * lobe.alpha_x, h.z * both
+    r2 = x * x + y * y + z * z  # of h squeezed by the widths, times their product squared: one division in all
+    return INV_PI * both * both * both / (r2 * r2)
 
 
 # ---- Visible normals -------------------------------------------------------------------------------------------------
 
 
 @kernel
-def sample_visible_normal(lobe, wo, u0, u1):
-    """A microfacet's normal as wo sees them (Heitz 2018): see `visible_normal_pdf`."""
-    return _normal_of_cap(lobe, wo, u0, u1, stretched_length(lobe, wo), ONE)
+def sample_visible_normal(lobe, wo, so, u0, u1):
+    """A microfacet's normal as wo sees them (Heitz 2018), by `visible_normal_pdf`. Here and below `so` is s(wo)."""
+    return _normal_of_cap(lobe, wo, so, u0, u1, ONE)
 
 
 @kernel
-def visible_normal_pdf(lobe, wo, h, cos_h):
+def visible_normal_pdf(lobe, wo, so, h, cos_h):
     """D(h) G1(wo) (wo . h) / zo, per solid angle of h; `cos_h` = wo . h."""
-    return 2.0 * distribution(lobe, h) * cos_h / (wo.z + stretched_length(lobe, wo))
+    return 2.0 * distribution(lobe, h) * cos_h / (wo.z + so)
 
 
 @kernel
-def unshadowed(lobe, wo, wi):
+def unshadowed(lobe, wo, so, wi):
     """G2 / G1(wo): share of the light of a visible microfacet that gets away towards wi, on either side."""
-    so, zi = stretched_length(lobe, wo), abs(wi.z)
+    zi = abs(wi.z)
     return zi * (wo.z + so) / (zi * so + wo.z * stretched_length(lobe, wi))
 
 
 @kernel
-def _normal_of_cap(lobe, wo, u0, u1, so, bound):
+def _normal_of_cap(lobe, wo, so, u0, u1, bound):
     """The normal that mirrors the stretched wo to a uniform point of the unit sphere above z = -bound * its own z.
 
-    Dupuy and Benyoub (2023), "Sampling Visible GGX Normals with Spherical Caps". `so`: length of the stretched wo.
+    Dupuy and Benyoub (2023), "Sampling Visible GGX Normals with Spherical Caps".
     """
     scale = 1.0 / so
     x, y, z = wo.x * lobe.alpha_x * scale, wo.y * lobe.alpha_y * scale, wo.z * scale
@@ -113,7 +114,7 @@ def evaluate_reflection(lobe, wo, wi):
 def sample_reflection(lobe, wo, u0, u1):
     """(wi, f |cos| / pdf without Fresnel, pdf, wo . h) for wo above the horizon; wi below it has weight 0."""
     so, bound = stretched_length(lobe, wo), reflection_bound(lobe, wo)
-    h = _normal_of_cap(lobe, wo, u0, u1, so, bound)
+    h = _normal_of_cap(lobe, wo, so, u0, u1, bound)
     wi = reflect(wo, h)
     across = bound * wo.z + so
     weight = wi.z * across / (wi.z * so + wo.z * stretched_length(lobe, wi))

@@ -18,8 +18,9 @@ def evaluate_and_pdf(lobe, wo, wi):
     h, cos_h, jacobian = microfacet.half_vector(wo, wi, lobe.ior)
     if jacobian == 0.0:
         return nothing()
-    density = microfacet.visible_normal_pdf(lobe, wo, h, cos_h) * jacobian
-    return LobeValue(WHITE * (density * microfacet.unshadowed(lobe, wo, wi)), density)
+    so = microfacet.stretched_length(lobe, wo)
+    density = microfacet.visible_normal_pdf(lobe, wo, so, h, cos_h) * jacobian
+    return LobeValue(WHITE * (density * microfacet.unshadowed(lobe, wo, so, wi)), density)
 
 
 @kernel
@@ -27,7 +28,8 @@ def sample(lobe, wo, u_choice, u0, u1):
     if wo.z <= 0.0:
         return no_direction()
     is_delta = microfacet.passes_straight(lobe)
-    h = UP if is_delta else microfacet.sample_visible_normal(lobe, wo, u0, u1)
+    so = microfacet.stretched_length(lobe, wo)
+    h = UP if is_delta else microfacet.sample_visible_normal(lobe, wo, so, u0, u1)
     cos_h = dot(wo, h)
     _, cos_t = fresnel_dielectric(cos_h, lobe.ior)
     wi = microfacet.refract(wo, h, cos_h, cos_t, lobe.ior)
@@ -35,8 +37,8 @@ def sample(lobe, wo, u_choice, u0, u1):
         return no_direction()
     if is_delta:
         return LobeSample(wi, WHITE, ONE, True)
-    pdf = microfacet.visible_normal_pdf(lobe, wo, h, cos_h) * microfacet.jacobian(wo, wi, h, lobe.ior)
-    return LobeSample(wi, WHITE * microfacet.unshadowed(lobe, wo, wi), pdf, False)
+    pdf = microfacet.visible_normal_pdf(lobe, wo, so, h, cos_h) * microfacet.jacobian(wo, wi, h, lobe.ior)
+    return LobeSample(wi, WHITE * microfacet.unshadowed(lobe, wo, so, wi), pdf, False)
 
 
 @kernel
