@@ -12,7 +12,18 @@ import subprocess
 import sys
 import zipfile
 
-from .environment import BUILD, FOLDER_OF_BLENDER, REQUIREMENTS, ROOT, UserError, environment, python_in, runs, say
+from .environment import (
+    BUILD,
+    FOLDER_OF_BLENDER,
+    REQUIREMENTS,
+    ROOT,
+    UserError,
+    environment,
+    locked,
+    python_in,
+    runs,
+    say,
+)
 
 # Blender's name of a platform -> the tags of its wheels, for pip
 PLATFORMS = {
@@ -151,17 +162,22 @@ def install_into(blender):
     variables = {"BLENDER_USER_RESOURCES": str(home)}
     stamp = home / "lambent-stamp"
     digest = source_digest()
-    if not stamp.exists() or stamp.read_text() != digest:
-        say(f"Packing Lambent for this Blender (Python {python}) and installing it into {home.relative_to(ROOT)}")
-        package = make_package(this_platform(), [python], BUILD)
-        command = [*blender, "--command", "extension", "install-file", "-r", "user_default", "-e", str(package)]
-        result = subprocess.run(
-            command, env={**os.environ, **variables}, capture_output=True, text=True, errors="replace"
-        )
-        if result.returncode != 0:
-            raise UserError(f"Blender could not install the extension:\n{result.stdout}{result.stderr}")
-        stamp.write_text(digest)
+    with locked(BUILD / f"{home.name}.lock"):
+        if not stamp.exists() or stamp.read_text() != digest:
+            say(f"Packing Lambent for this Blender (Python {python}) and installing it into {home.relative_to(ROOT)}")
+            package = make_package(this_platform(), [python], BUILD)
+            install(blender, package, variables)
+            package.unlink()
+            stamp.write_text(digest)
     return variables
+
+
+def install(blender, package, variables):
+    """What the user does with Install from Disk, and enables the add-on."""
+    command = [*blender, "--command", "extension", "install-file", "-r", "user_default", "-e", str(package)]
+    result = subprocess.run(command, env={**os.environ, **variables}, capture_output=True, text=True, errors="replace")
+    if result.returncode != 0:
+        raise UserError(f"Blender could not install the extension:\n{result.stdout}{result.stderr}")
 
 
 def source_digest():
