@@ -28,8 +28,8 @@ def light_color(b_light):
 
 
 def ball_power(strength, radius, normalize):
-    """Watts of a point or a spot light; with "normalize" off `strength` is its exitance; if it has no radius, that of a ball
-    of 4 m2."""
+    """Watts of a point or a spot light; with "normalize" off `strength` is its exitance (without a radius: that of a
+    ball of 4 m2)."""
     if normalize:
         return strength
     return strength * (4.0 * math.pi * radius**2 if radius > 0.0 else 4.0)

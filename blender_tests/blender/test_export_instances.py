@@ -1,0 +1,280 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Every instance stands where Blender puts it, and every geometry is read once."""
+
+import bpy
+import numpy as np
+import pytest
+
+from blender_tests.helpers.exported import add, empty_scene, export, export_as_a_render, placement, square
+from engine_core.tables import Visibility
+
+
+@pytest.fixture(autouse=True)
+def scene():
+    return empty_scene()
+
+
+def positions(builder):
+    return np.array([np.asarray(p.to_world)[:3, 3] for p in builder.placements])
+
+
+def material(name):
+    return bpy.data.materials.get(name) or bpy.data.materials.new(name)
+
+
+# ---- Instances -------------------------------------------------------------------------------------------------------
+
+
+def test_objects_that_share_a_mesh_share_a_geometry():
+    shared = square()
+    for x in range(3):
+        add(f"Copy {x}", shared, location=(x, 0, 0))
+    add("Other", square("Other"))
+    builder, _ = export()
+    assert len(builder.placements) == 4
+    assert len(builder.geometries) == 2
+
+
+def test_a_modifier_makes_a_geometry_of_its_own():
+    shared = square()
+    add("Plain", shared)
+    add("Changed", shared).modifiers.new("Array", "ARRAY")
+    builder, _ = export()
+    counts = {p.name: len(builder.geometries[p.geometry].triangles) for p in builder.placements}
+    assert counts == {"Plain": 2, "Changed": 4}
+
+
+def test_a_collection_is_instanced_with_all_its_objects():
+    parts = bpy.data.collections.new("Parts")
+    for x in range(2):
+        parts.objects.link(bpy.data.objects.new(f"Part {x}", square(f"Part {x}")))
+        parts.objects[-1].location = (x, 0, 0)
+    for y in range(3):
+        instancer = add(f"Instancer {y}", None, location=(0, 10 * y, 0))
+        instancer.instance_type, instancer.instance_collection = "COLLECTION", parts
+    builder, warnings = export()
+    assert warnings == []
+    assert len(builder.geometries) == 2
+    assert sorted(map(tuple, positions(builder))) == sorted((x, 10 * y, 0) for x in range(2) for y in range(3))
+
+
+def instance_on_points(b_object, instanced):
+    """Let geometry nodes put `instanced` on every vertex of an object."""
+    tree = bpy.data.node_groups.new("Scatter", "GeometryNodeTree")
+    tree.interface.new_socket("Geometry", in_out="INPUT", socket_type="NodeSocketGeometry")
+    tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+    names = ("NodeGroupInput", "GeometryNodeInstanceOnPoints", "GeometryNodeObjectInfo", "NodeGroupOutput")
+    start, scatter, info, end = (tree.nodes.new(name) for name in names)
+    info.inputs["Object"].default_value = instanced
+    info.inputs["As Instance"].default_value = True
+    tree.links.new(start.outputs[0], scatter.inputs["Points"])
+    tree.links.new(info.outputs["Geometry"], scatter.inputs["Instance"])
+    tree.links.new(scatter.outputs[0], end.inputs[0])
+    b_object.modifiers.new("Scatter", "NODES").node_group = tree
+
+
+def test_geometry_nodes_instance_by_the_thousand():
+    instanced = add("Instanced", square("Instanced"), hide_viewport=True, hide_render=True)
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=39, y_subdivisions=24, size=2)
+    instance_on_points(bpy.context.object, instanced)
+    grid = np.array([v.co for v in bpy.context.object.data.vertices])
+    builder, warnings = export()
+    assert warnings == []
+    assert len(builder.placements) == 1000
+    assert len(builder.geometries) == 1
+    placed = positions(builder)
+    assert placed[np.lexsort(placed.T)] == pytest.approx(grid[np.lexsort(grid.T)], abs=1e-6)
+
+
+def test_geometry_made_by_nodes_has_the_materials_that_nodes_gave_it():
+    tree = bpy.data.node_groups.new("Make", "GeometryNodeTree")
+    tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+    names = ("GeometryNodeMeshCube", "GeometryNodeSetMaterial", "NodeGroupOutput")
+    cube, paint, end = (tree.nodes.new(name) for name in names)
+    paint.inputs["Material"].default_value = material("Paint")
+    tree.links.new(cube.outputs[0], paint.inputs[0])
+    tree.links.new(paint.outputs[0], end.inputs[0])
+    add("Made", square()).modifiers.new("Make", "NODES").node_group = tree
+    builder, _ = export()
+    found, shape = placement(builder, "Made")
+    used = {
+        found.materials[min(slot, len(found.materials) - 1)]
+        for slot in (shape.slots if shape.slots is not None else [0])
+    }
+    assert len(shape.triangles) == 12
+    assert [builder.materials[i].name for i in used] == ["Paint"]
+
+
+def test_particles_are_instances():
+    add("Leaf", square("Leaf"), hide_viewport=True)
+    emitter = add("Emitter", square("Emitter"))
+    emitter.modifiers.new("Particles", "PARTICLE_SYSTEM")
+    settings = emitter.particle_systems[0].settings
+    settings.type, settings.count, settings.render_type = "HAIR", 50, "OBJECT"
+    settings.use_advanced_hair = True
+    settings.instance_object = bpy.data.objects["Leaf"]
+    builder, warnings = export()
+    assert warnings == []
+    assert sum(p.name == "Leaf" for p in builder.placements) == 50
+    assert len(builder.geometries) == 2
+
+
+def test_strands_of_hair_are_named_as_missing():
+    emitter = add("Emitter", square())
+    emitter.modifiers.new("Particles", "PARTICLE_SYSTEM")
+    emitter.particle_systems[0].settings.type = "HAIR"
+    _, warnings = export()
+    assert warnings == ["Emitter: hair particles are not rendered yet; they are left out"]
+
+
+def test_an_instancer_that_shows_only_its_instances_is_left_out():
+    parent = add("Parent", square("Parent"), instance_type="VERTS", show_instancer_for_viewport=False)
+    add("Child", square("Child"), parent=parent)
+    builder, _ = export()
+    assert [p.name for p in builder.placements] == ["Child"] * 5  # on four vertices, and the child itself
+
+
+def test_lamps_are_instanced_too():
+    lamps = bpy.data.collections.new("Lamps")
+    lamp = bpy.data.objects.new("Lamp", bpy.data.lights.new("Lamp", "POINT"))
+    lamps.objects.link(lamp)
+    for x in range(3):
+        instancer = add(f"Instancer {x}", None, location=(x, 0, 0))
+        instancer.instance_type, instancer.instance_collection = "COLLECTION", lamps
+    builder, _ = export()
+    assert [tuple(light["p"]) for light in builder.lights] == [(0, 0, 0), (1, 0, 0), (2, 0, 0)]
+
+
+def test_random_numbers_are_different_and_stay():
+    shared = square()
+    parent = add("Parent", square("Parent"), instance_type="VERTS")
+    for name in ("a", "b"):
+        add(name, shared)
+    add("Child", shared, parent=parent)
+    numbers = [[p.random for p in export()[0].placements] for _ in range(2)]
+    assert numbers[0] == numbers[1]
+    assert len(set(numbers[0])) == len(numbers[0])
+    assert 0 <= min(numbers[0]) < max(numbers[0]) < 1
+
+
+# ---- Materials of instances ------------------------------------------------------------------------------------------
+
+
+def names_of_materials(builder, name):
+    return [
+        builder.materials[builder.default_material if m is None else m].name
+        for m in placement(builder, name)[0].materials
+    ]
+
+
+def test_a_slot_may_belong_to_the_object_or_to_the_mesh():
+    shared = square()
+    shared.materials.append(material("Of the mesh"))
+    add("Plain", shared)
+    own = add("Own", shared)
+    own.material_slots[0].link = "OBJECT"
+    own.material_slots[0].material = material("Of the object")
+    builder, _ = export()
+    assert names_of_materials(builder, "Plain") == ["Of the mesh"]
+    assert names_of_materials(builder, "Own") == ["Of the object"]
+    assert len(builder.geometries) == 1
+
+
+def test_an_empty_slot_and_no_slot_are_the_default_grey():
+    b_mesh = square()
+    b_mesh.materials.append(None)
+    b_mesh.materials.append(material("Real"))
+    add("Empty slot", b_mesh)
+    add("No slot", square("No slot"))
+    builder, warnings = export()
+    assert warnings == []
+    assert names_of_materials(builder, "Empty slot") == ["(none)", "Real"]
+    assert names_of_materials(builder, "No slot") == []
+
+
+def test_the_view_layer_may_override_all_materials(scene):
+    b_mesh = square()
+    b_mesh.materials.append(material("Own"))
+    add("Object", b_mesh)
+    scene.view_layers[0].material_override = material("Clay")
+    assert names_of_materials(export()[0], "Object") == ["Clay"]
+
+
+def test_pass_indices_are_in():
+    b_mesh = square()
+    b_mesh.materials.append(material("Material"))
+    material("Material").pass_index = 7
+    add("Object", b_mesh).pass_index = 3
+    builder, _ = export()
+    found, _ = placement(builder, "Object")
+    assert found.pass_index == 3
+    assert builder.materials[found.materials[0]].pass_index == 7
+
+
+# ---- What is seen by what --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("switch", "ray"),
+    [
+        ("visible_camera", Visibility.CAMERA),
+        ("visible_diffuse", Visibility.DIFFUSE),
+        ("visible_glossy", Visibility.GLOSSY),
+        ("visible_transmission", Visibility.TRANSMISSION),
+        ("visible_volume_scatter", Visibility.SCATTER),
+        ("visible_shadow", Visibility.SHADOW),
+    ],
+)
+def test_a_ray_switched_off_is_off_for_the_object_and_for_what_it_instances(switch, ray):
+    parts = bpy.data.collections.new("Parts")
+    parts.objects.link(bpy.data.objects.new("Part", square("Part")))
+    setattr(add("Object", square("Object")), switch, False)
+    instancer = add("Instancer", None, instance_type="COLLECTION", instance_collection=parts)
+    setattr(instancer, switch, False)
+    add("Free", square("Free"))
+    builder, _ = export()
+    seen = {p.name: p.visibility for p in builder.placements}
+    assert seen == {"Object": Visibility.ALL & ~ray, "Part": Visibility.ALL & ~ray, "Free": Visibility.ALL}
+
+
+def test_an_object_that_no_ray_sees_is_not_exported():
+    hidden = add("Hidden", square())
+    for switch in ("camera", "diffuse", "glossy", "transmission", "volume_scatter", "shadow"):
+        setattr(hidden, f"visible_{switch}", False)
+    assert export()[0].placements == []
+
+
+def test_a_final_render_leaves_out_what_is_hidden_from_renders():
+    add("Shown", square("Shown"))
+    add("Hidden", square("Hidden"), hide_render=True)
+    add("Hidden in the viewport", square("Viewport"), hide_viewport=True)
+    builder, _, _ = export_as_a_render()
+    assert sorted(p.name for p in builder.placements) == ["Hidden in the viewport", "Shown"]
+
+
+def test_collections_of_the_view_layer_decide(scene):
+    layers = scene.view_layers[0].layer_collection.children
+    for name in ("Excluded", "Indirect", "Holdout"):
+        collection = bpy.data.collections.new(name)
+        scene.collection.children.link(collection)
+        collection.objects.link(bpy.data.objects.new(name, square(name)))
+    layers["Excluded"].exclude = True
+    layers["Indirect"].indirect_only = True
+    layers["Holdout"].holdout = True
+    builder, warnings, _ = export_as_a_render()
+    assert {p.name: p.visibility for p in builder.placements} == {
+        "Indirect": Visibility.ALL & ~Visibility.CAMERA,
+        "Holdout": Visibility.ALL,
+    }
+    assert warnings == ["Holdout: holdouts are not rendered yet; it is an ordinary object"]
+
+
+def test_shadow_catchers_are_named_as_missing():
+    add("Catcher", square()).is_shadow_catcher = True
+    assert any(w.startswith("Catcher: shadow catchers") for w in export()[1])
+
+
+def test_the_scene_decides_whether_the_film_is_transparent(scene):
+    for value in (True, False):
+        scene.render.film_transparent = value
+        assert export_as_a_render()[2] == {"transparent_background": int(value)}
