@@ -15,7 +15,15 @@ from blender_tests.helpers.chi_square import (
     tabulate_directions,
     window_around,
 )
-from blender_tests.helpers.lights import EMISSION, hit_light, irradiance, light, random_numbers, sample_light
+from blender_tests.helpers.lights import (
+    EMISSION,
+    even_numbers,
+    hit_light,
+    irradiance,
+    light,
+    random_numbers,
+    sample_light,
+)
 from engine_core.tables import LightKind as Kind
 
 L = np.array(EMISSION)
@@ -46,7 +54,7 @@ CASES = {
     "quad, spread": (light(Kind.QUAD, **ASKEW, spread=0.4), before(0.7, 0.2, 0.6)),
     "quad, spread, far": (light(Kind.QUAD, **ASKEW, spread=0.4), before(2.5, 0.1, 5.0)),
     "disk": (light(Kind.DISK, **ASKEW), (0.1, 0.0, 0.1)),
-    "disk, spread": (light(Kind.DISK, **ASKEW, spread=0.15), before(0.6, 0.1, 0.5)),
+    "disk, spread": (light(Kind.DISK, **ASKEW, spread=0.15), before(0.66, 0.13, 0.5)),
     "triangle": (light(Kind.TRIANGLE, **ASKEW), (0.1, 0.0, 0.1)),
     "triangle, far": (light(Kind.TRIANGLE, **ASKEW), (0.1, -2.0, -3.1)),
     "triangle, from behind": (light(Kind.TRIANGLE, **ASKEW, two_sided=1), before(0.1, -0.1, -0.5)),
@@ -271,6 +279,23 @@ def test_spread_narrows_without_losing_power(kind, degrees):
     row = light(kind, spread=math.tan(angle), p=(0.1, 0.2, 1.0), u=(2, 0, 0), v=(0, -2, 0))
     expected = math.pi * L * (1.0 - angle / math.tan(angle))
     np.testing.assert_allclose(irradiance(row, (0, 0, 0), UP, 400), expected, rtol=2e-3)
+
+
+@pytest.mark.parametrize("name", ["quad, spread", "quad, spread, far", "disk, spread"])
+def test_spread_lights_what_it_reaches(name):
+    """Against the integral over all of the light's area, most of which is dark from here."""
+    row, p = CASES[name]
+    x, y = even_numbers(2000).T.astype(float) * 2.0 - 1.0
+    whole_area = 4.0 * np.linalg.norm(np.cross(row["u"][0], row["v"][0]))
+    w = row["p"][0] + x[:, None] * row["u"][0] + y[:, None] * row["v"][0] - p
+    distance = np.linalg.norm(w, axis=1)
+    cosine = -(w @ row["n"][0]) / distance
+    left_open = np.maximum(1.0 - np.tan(np.arccos(cosine)) / row["spread"][0], 0.0)
+    if row["kind"] == Kind.DISK:
+        left_open[x * x + y * y > 1.0] = 0.0
+    n = -row["n"][0].astype(float)
+    expected = L * (left_open * cosine**2 / distance**2).mean() * whole_area
+    np.testing.assert_allclose(irradiance(row, p, n, 500), expected, rtol=2e-3)
 
 
 # ---- Spots -----------------------------------------------------------------------------------------------------------
