@@ -25,13 +25,12 @@ class Graph:
     """The node tree of a material, world or light. Keep it as long as nodes of it are in use."""
 
     def __init__(self, b_owner):
-        # the object that owns the resolved tree; without it Blender frees the tree
-        self._inline = b_owner.inline_shader_nodes() if hasattr(b_owner, "inline_shader_nodes") else None
-        self.tree = self._inline.node_tree if self._inline else b_owner.node_tree
-
-    def output(self):
-        """The active output node for an engine that reads Cycles' materials, or None."""
-        return self.tree.get_output_node("CYCLES")
+        # the active output node for an engine that reads Cycles' materials, or None
+        self.output = b_owner.node_tree.get_output_node("CYCLES")
+        if self.output and self.output.target == "ALL" and hasattr(b_owner, "inline_shader_nodes"):
+            # Blender resolves what leads to outputs for all engines, and drops the rest. It frees the tree with `_inline`.
+            self._inline = b_owner.inline_shader_nodes()
+            self.output = self._inline.node_tree.get_output_node("CYCLES")
 
 
 def has_nodes(b_owner):

@@ -18,7 +18,7 @@ def material_surface(context, b_material):
     if not has_nodes(b_material):
         return m.Diffuse(b_material.diffuse_color[:3])
     graph = Graph(b_material)
-    output = graph.output()
+    output = graph.output
     if output is None:
         return m.Black()
     translation = Translation(context, b_material.name)
@@ -46,7 +46,7 @@ def _emitted(context, b_owner, without_nodes, nothing):
     if not has_nodes(b_owner):
         return np.array(without_nodes())
     graph = Graph(b_owner)
-    output = graph.output()
+    output = graph.output
     if output is None:
         return np.array(nothing)
     return emission(Translation(context, b_owner.name).closure(output.inputs["Surface"], ()))
@@ -202,7 +202,7 @@ class Translation:
     def _bsdf_hair(self, i):
         return self._instead(i, m.Glossy(i.color("Color"), i.number("RoughnessU")))
 
-    def _ray_portal_bsdf(self, i):
+    def _bsdf_ray_portal(self, i):
         return self._instead(i, m.Transparent(i.color("Color")))
 
     def _eevee_specular(self, i):

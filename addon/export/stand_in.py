@@ -191,7 +191,7 @@ def _mixed(node, factor, a, b, blend_type):
 def average_fresnel(ior):
     """Share of diffuse light that a smooth dielectric reflects: the mean over the hemisphere, weighted by cosine."""
     ior = max(ior, 1e-3)
-    cos = np.sqrt((np.arange(64) + 0.5) / 64.0)  # evenly spread in cos ** 2
+    cos = np.sqrt((np.arange(1024) + 0.5) / 1024.0)  # evenly spread in cos ** 2
     g2 = ior**2 - 1.0 + cos**2
     g = np.sqrt(np.maximum(g2, 0.0))
     a = ((g - cos) / (g + cos)) ** 2

@@ -87,7 +87,7 @@ def test_the_engine_gives_the_same_camera(scene):
 def test_each_eye_of_a_stereo_view_has_its_place(scene):
     camera = set_up(scene, size=(64, 48))
     scene.render.use_multiview = True
-    camera.data.stereo.convergence_mode = "PARALLEL"
+    camera.data.stereo.convergence_mode, camera.data.stereo.pivot = "PARALLEL", "CENTER"
     right_eye = export_as_a_render()[0].camera_row[0]
     offset = right_eye["to_world"][:, 3] - np.array(camera.matrix_world.translation)
     assert np.linalg.norm(offset) == pytest.approx(camera.data.stereo.interocular_distance / 2, rel=1e-4)

@@ -1,0 +1,462 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Shading nodes become the closures they stand for, and what does not is named with material, node and socket."""
+
+import bpy
+import numpy as np
+import pytest
+
+from addon.core import SceneBuilder
+from addon.core import materials as m
+from addon.export import Report, nodes
+from addon.export.context import Context
+from addon.export.stand_in import average_fresnel, blackbody_color, image_average
+from blender_tests.helpers.exported import empty_scene
+
+
+@pytest.fixture(autouse=True)
+def _scene():
+    empty_scene()
+
+
+@pytest.fixture
+def tree():
+    """The node tree of a material with nothing but an output."""
+    b_material = bpy.data.materials.new("Material")
+    if bpy.app.version < (5, 0):
+        b_material.use_nodes = True
+    b_material.node_tree.nodes.clear()
+    b_material.node_tree.nodes.new("ShaderNodeOutputMaterial")
+    return b_material.node_tree
+
+
+def node(tree, kind, **inputs):
+    """A new node; values of its inputs by identifier, blanks as underscores."""
+    new = tree.nodes.new(f"ShaderNode{kind}")
+    for name, value in inputs.items():
+        socket(new, name.replace("_", " ")).default_value = value
+    return new
+
+
+def socket(b_node, identifier):
+    return next(s for s in b_node.inputs if s.identifier == identifier)
+
+
+def link(tree, source, target, identifier="Surface", output=0):
+    tree.links.new(source.outputs[output], socket(target, identifier))
+
+
+def output_node(tree):
+    return next(n for n in tree.nodes if n.type == "OUTPUT_MATERIAL")
+
+
+def translated(b_material=None):
+    """(closure, warnings) of a material, read from the evaluated scene as an export does."""
+    b_material = b_material or bpy.data.materials["Material"]
+    b_material.use_fake_user = True
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    depsgraph.update()
+    report = Report()
+    context = Context(depsgraph, report, SceneBuilder(), 64, 48)
+    return nodes.material_surface(context, b_material), report.warnings
+
+
+def surface(tree, b_node):
+    """Closure of a node that is linked to the output, without any warning."""
+    link(tree, b_node, output_node(tree))
+    closure, warnings = translated()
+    assert warnings == []
+    return closure
+
+
+def close(closure):
+    """Numbers of a closure that can be compared."""
+    return {k: pytest.approx(v) if not isinstance(v, bool) else v for k, v in vars(closure).items()}
+
+
+# ---- Each node by its constant values --------------------------------------------------------------------------------
+
+COLOR, RGB = (0.1, 0.2, 0.4, 1.0), (0.1, 0.2, 0.4)
+
+
+@pytest.mark.parametrize(
+    ("kind", "inputs", "expected"),
+    [
+        ("BsdfDiffuse", {"Color": COLOR}, m.Diffuse(RGB)),
+        ("BsdfTranslucent", {"Color": COLOR}, m.Translucent(RGB)),
+        ("BsdfTransparent", {"Color": COLOR}, m.Transparent(RGB)),
+        (
+            "BsdfAnisotropic",
+            {"Color": COLOR, "Roughness": 0.3, "Anisotropy": 0.6},
+            m.Glossy(RGB, roughness=0.3, anisotropy=0.6, multiscatter=True),
+        ),
+        ("BsdfGlass", {"Color": COLOR, "Roughness": 0.3, "IOR": 1.3}, m.Glass(RGB, 0.3, 1.3, multiscatter=True)),
+        ("BsdfRefraction", {"Color": COLOR, "Roughness": 0.3, "IOR": 1.3}, m.Refraction(RGB, 0.3, 1.3)),
+        ("Emission", {"Color": COLOR, "Strength": 7.0}, m.Emission(RGB, 7.0)),
+        ("Background", {"Color": COLOR, "Strength": 7.0}, m.Emission(RGB, 7.0)),
+        (
+            "BsdfMetallic",
+            {"Base_Color": COLOR, "Edge_Tint": (0.9, 0.8, 0.7, 1), "Roughness": 0.3, "Anisotropy": -0.5},
+            m.Metallic(RGB, (0.9, 0.8, 0.7), roughness=0.3, anisotropy=-0.5, multiscatter=True),
+        ),
+        (
+            "BsdfPrincipled",
+            {
+                "Base_Color": COLOR, "Metallic": 0.1, "Roughness": 0.2, "IOR": 1.3, "Alpha": 0.4,
+                "Specular_IOR_Level": 0.6, "Specular_Tint": (0.7, 0.8, 0.9, 1), "Anisotropic": 0.35,
+                "Transmission_Weight": 0.45, "Coat_Weight": 0.55, "Coat_Roughness": 0.65, "Coat_IOR": 1.75,
+                "Coat_Tint": (0.5, 0.4, 0.3, 1), "Emission_Color": (0.3, 0.2, 0.1, 1), "Emission_Strength": 5.0,
+            },
+            m.Principled(
+                base_color=RGB, metallic=0.1, roughness=0.2, ior=1.3, alpha=0.4, specular_ior_level=0.6,
+                specular_tint=(0.7, 0.8, 0.9), anisotropic=0.35, transmission=0.45, coat_weight=0.55,
+                coat_roughness=0.65, coat_ior=1.75, coat_tint=(0.5, 0.4, 0.3), emission_color=(0.3, 0.2, 0.1),
+                emission_strength=5.0, multiscatter=True,
+            ),
+        ),
+    ],
+)  # fmt: skip
+def test_a_node_becomes_its_closure(tree, kind, inputs, expected):
+    b_node = node(tree, kind, **inputs)
+    if hasattr(b_node, "distribution"):
+        b_node.distribution = "GGX" if kind == "BsdfRefraction" else "MULTI_GGX"
+    closure = surface(tree, b_node)
+    assert type(closure) is type(expected)
+    assert vars(closure) == close(expected)
+
+
+def test_a_physical_metal_has_a_complex_index_of_refraction(tree):
+    b_node = node(tree, "BsdfMetallic", IOR=(1.1, 1.2, 1.3), Extinction=(2.1, 2.2, 2.3))
+    b_node.fresnel_type, b_node.distribution = "PHYSICAL_CONDUCTOR", "GGX"
+    closure = surface(tree, b_node)
+    assert closure.ior == pytest.approx((1.1, 1.2, 1.3))
+    assert closure.extinction == pytest.approx((2.1, 2.2, 2.3))
+    assert not closure.multiscatter
+
+
+def test_every_closure_can_be_rendered(tree):
+    """Whatever shader node there is in this Blender, its translation is a closure that the builder takes."""
+    names = [n for n in dir(bpy.types) if n.startswith(("ShaderNodeBsdf", "ShaderNodeVolume", "ShaderNodeSubsurface"))]
+    for name in [*names, "ShaderNodeEeveeSpecular", "ShaderNodeHoldout", "ShaderNodeEmission"]:
+        b_node = tree.nodes.new(name)
+        if b_node.outputs and b_node.outputs[0].type == "SHADER":
+            link(tree, b_node, output_node(tree))
+            closure, _ = translated()
+            SceneBuilder().material(name, closure)
+
+
+# ---- Combining -------------------------------------------------------------------------------------------------------
+
+
+def test_mix_and_add_combine_their_shaders(tree):
+    mix, add = node(tree, "MixShader", Fac=0.25), node(tree, "AddShader")
+    link(tree, node(tree, "BsdfDiffuse", Color=COLOR), mix, "Shader")
+    link(tree, add, mix, "Shader_001")
+    link(tree, node(tree, "Emission", Strength=3.0), add, "Shader")
+    link(tree, node(tree, "BsdfTransparent"), add, "Shader_001")
+    closure = surface(tree, mix)
+    assert closure == m.Mix(0.25, m.Diffuse(closure.a.color), m.Add(m.Emission(m.WHITE, 3.0), m.Transparent(m.WHITE)))
+    assert closure.a.color == pytest.approx(RGB)
+
+
+def test_a_mix_with_nothing_is_half_black(tree):
+    mix = node(tree, "MixShader")
+    link(tree, node(tree, "Emission"), mix, "Shader_001")
+    assert surface(tree, mix) == m.Mix(0.5, m.Black(), m.Emission(m.WHITE, 1.0))
+
+
+def test_nothing_linked_is_black(tree):
+    assert translated() == (m.Black(), [])
+
+
+def test_a_volume_without_a_surface_is_seen_through(tree):
+    link(tree, node(tree, "VolumePrincipled"), output_node(tree), "Volume")
+    closure, warnings = translated()
+    assert closure == m.Transparent()
+    assert warnings == ["Material: Material Output: volumes are not rendered yet; only the surface is"]
+
+
+def test_a_bare_colour_shines(tree):
+    rgb = node(tree, "RGB")
+    rgb.outputs[0].default_value = COLOR
+    closure = surface(tree, rgb)
+    assert (closure.color, closure.strength) == (pytest.approx(RGB), 1.0)
+
+
+def test_the_active_output_for_cycles_counts(tree):
+    link(tree, node(tree, "BsdfDiffuse", Color=COLOR), output_node(tree))
+    output_node(tree).target = "EEVEE"
+    other = tree.nodes.new("ShaderNodeOutputMaterial")
+    other.target = "CYCLES"
+    link(tree, node(tree, "Emission"), other)
+    assert translated() == (m.Emission(m.WHITE, 1.0), [])
+
+
+@pytest.mark.skipif(bpy.app.version >= (5, 0), reason="materials always have nodes since Blender 5.0")
+def test_a_material_without_nodes_is_diffuse():
+    b_material = bpy.data.materials.new("Plain")
+    b_material.use_nodes, b_material.diffuse_color = False, COLOR
+    closure, warnings = translated(b_material)
+    assert closure.color == pytest.approx(RGB)
+    assert warnings == []
+
+
+def test_a_tree_that_doubles_itself_ends(tree):
+    last = node(tree, "BsdfDiffuse")
+    for _ in range(40):
+        mix = node(tree, "MixShader")
+        link(tree, last, mix, "Shader")
+        link(tree, last, mix, "Shader_001")
+        last = mix
+    link(tree, last, output_node(tree))
+    _, warnings = translated()
+    assert any("more than 1000 shaders" in w for w in warnings)
+
+
+# ---- Groups, reroutes, mute ------------------------------------------------------------------------------------------
+
+
+def group_of_glass():
+    """A group with a colour and a roughness; inside a group of its own, in which the glass is."""
+    inner, outer = (bpy.data.node_groups.new(name, "ShaderNodeTree") for name in ("Inner", "Outer"))
+    for group in (inner, outer):
+        group.interface.new_socket("Tint", in_out="INPUT", socket_type="NodeSocketColor")
+        group.interface.new_socket("Rough", in_out="INPUT", socket_type="NodeSocketFloat")
+        group.interface.new_socket("Shader", in_out="OUTPUT", socket_type="NodeSocketShader")
+    for group, kind in ((inner, "ShaderNodeBsdfGlass"), (outer, "ShaderNodeGroup")):
+        start, middle, end = (group.nodes.new(name) for name in ("NodeGroupInput", kind, "NodeGroupOutput"))
+        if group is outer:
+            middle.node_tree = inner
+        for i in range(2):
+            group.links.new(start.outputs[i], middle.inputs[i])
+        group.links.new(middle.outputs[0], end.inputs[0])
+    return outer
+
+
+def test_groups_in_groups_have_the_values_of_their_own_inputs(tree):
+    group, mix = group_of_glass(), node(tree, "MixShader")
+    for identifier, color, roughness in (("Shader", COLOR, 0.25), ("Shader_001", (1, 1, 0, 1), 0.5)):
+        b_node = tree.nodes.new("ShaderNodeGroup")
+        b_node.node_tree = group
+        b_node.inputs[0].default_value, b_node.inputs[1].default_value = color, roughness
+        link(tree, b_node, mix, identifier)
+    closure = surface(tree, mix)
+    assert (closure.a.color, closure.a.roughness) == (pytest.approx(RGB), 0.25)
+    assert (closure.b.color, closure.b.roughness) == ((1, 1, 0), 0.5)
+
+
+def test_a_linked_input_of_a_group_is_followed_out_of_it(tree):
+    b_node = tree.nodes.new("ShaderNodeGroup")
+    b_node.node_tree = group_of_glass()
+    rgb = node(tree, "RGB")
+    rgb.outputs[0].default_value = COLOR
+    tree.links.new(rgb.outputs[0], b_node.inputs[0])
+    assert surface(tree, b_node).color == pytest.approx(RGB)
+
+
+def test_reroutes_are_followed(tree):
+    first, second = tree.nodes.new("NodeReroute"), tree.nodes.new("NodeReroute")
+    tree.links.new(node(tree, "BsdfDiffuse", Color=COLOR).outputs[0], first.inputs[0])
+    tree.links.new(first.outputs[0], second.inputs[0])
+    assert surface(tree, second).color == pytest.approx(RGB)
+
+
+def test_a_reroute_that_comes_from_nowhere_leaves_the_value(tree):
+    diffuse = node(tree, "BsdfDiffuse", Color=COLOR)
+    tree.links.new(tree.nodes.new("NodeReroute").outputs[0], diffuse.inputs["Color"])
+    assert surface(tree, diffuse).color == pytest.approx(RGB)
+
+
+def test_a_muted_node_lets_its_input_through(tree):
+    mix = node(tree, "MixShader")
+    link(tree, node(tree, "BsdfDiffuse", Color=COLOR), mix, "Shader")
+    link(tree, node(tree, "Emission"), mix, "Shader_001")
+    mix.mute = True
+    assert surface(tree, mix).color == pytest.approx(RGB)
+
+
+def test_a_muted_link_is_none(tree):
+    diffuse = node(tree, "BsdfDiffuse", Color=COLOR)
+    tree.links.new(node(tree, "RGB").outputs[0], diffuse.inputs["Color"]).is_muted = True
+    assert surface(tree, diffuse).color == pytest.approx(RGB)
+
+
+# ---- Constant nodes are followed without a word ----------------------------------------------------------------------
+
+
+def roughness_from(tree, b_node, output=0):
+    glass = node(tree, "BsdfGlass")
+    link(tree, b_node, glass, "Roughness", output)
+    return surface(tree, glass).roughness
+
+
+def test_value_nodes_are_followed(tree):
+    value = node(tree, "Value")
+    value.outputs[0].default_value = 0.375
+    assert roughness_from(tree, value) == 0.375
+
+
+@pytest.mark.parametrize(
+    ("operation", "expected"),
+    [("ADD", 0.75), ("SUBTRACT", 0.25), ("MULTIPLY", 0.125), ("DIVIDE", 2.0), ("MINIMUM", 0.25), ("POWER", 0.5**0.25)],
+)
+def test_arithmetic_on_constants_is_done(tree, operation, expected):
+    b_node = tree.nodes.new("ShaderNodeMath")
+    b_node.operation = operation
+    b_node.inputs[0].default_value, b_node.inputs[1].default_value = 0.5, 0.25
+    assert roughness_from(tree, b_node) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(
+    ("blend_type", "expected"), [("MIX", (0.55, 0.2, 0.2)), ("MULTIPLY", (0.1, 0.12, 0.2)), ("ADD", (0.6, 0.3, 0.4))]
+)
+def test_mixing_of_constant_colours_is_done(tree, blend_type, expected):
+    b_node = tree.nodes.new("ShaderNodeMix")
+    b_node.data_type, b_node.blend_type = "RGBA", blend_type
+    for identifier, value in (("Factor_Float", 0.5), ("A_Color", COLOR), ("B_Color", (1.0, 0.2, 0.0, 1))):
+        socket(b_node, identifier).default_value = value
+    diffuse = node(tree, "BsdfDiffuse")
+    tree.links.new(next(o for o in b_node.outputs if o.type == "RGBA"), diffuse.inputs["Color"])
+    assert surface(tree, diffuse).color == pytest.approx(expected)
+
+
+def test_a_colour_for_a_number_counts_by_its_luminance(tree):
+    rgb = node(tree, "RGB")
+    rgb.outputs[0].default_value = (0.0, 1.0, 0.0, 1)
+    assert roughness_from(tree, rgb) == pytest.approx(0.7152, abs=1e-3)
+
+
+def test_blackbody_has_blenders_colour(tree):
+    """Blender computes the same for lamps."""
+    b_light = bpy.data.lights.new("Lamp", "POINT")
+    b_light.use_temperature = True
+    for kelvin in (2000, 3000, 6500, 10000):
+        b_light.temperature = kelvin
+        assert blackbody_color(kelvin) == pytest.approx(tuple(b_light.temperature_color), rel=0.02, abs=0.02)
+    emission = node(tree, "Emission")
+    link(tree, node(tree, "Blackbody", Temperature=3000.0), emission, "Color")
+    assert surface(tree, emission).color == pytest.approx(blackbody_color(3000), rel=0.02)
+
+
+# ---- Stand-ins, by name ----------------------------------------------------------------------------------------------
+
+
+def with_warning(tree, b_node):
+    link(tree, b_node, output_node(tree))
+    closure, (warning,) = translated()
+    return closure, warning
+
+
+def test_an_unknown_node_leaves_the_sockets_own_value(tree):
+    diffuse = node(tree, "BsdfDiffuse", Color=COLOR)
+    link(tree, node(tree, "NewGeometry"), diffuse, "Color")
+    closure, warning = with_warning(tree, diffuse)
+    assert closure.color == pytest.approx(RGB)
+    assert warning.startswith("Material: Diffuse BSDF: Color is linked to Geometry")
+    assert warning.endswith("using (0.1, 0.2, 0.4)")
+
+
+def test_the_culprit_behind_arithmetic_is_named(tree):
+    b_node, glass = tree.nodes.new("ShaderNodeMath"), node(tree, "BsdfGlass")
+    b_node.operation = "MULTIPLY"
+    tree.links.new(node(tree, "TexNoise").outputs[0], b_node.inputs[0])
+    b_node.inputs[1].default_value = 0.5
+    link(tree, b_node, glass, "Roughness")
+    closure, warning = with_warning(tree, glass)
+    assert closure.roughness == pytest.approx(0.25)  # half of a noise that is 0.5 on average
+    assert "Noise Texture" in warning
+
+
+def test_a_texture_stands_for_its_average_colour(tree):
+    image = bpy.data.images.new("Checks", 2, 2, alpha=True, float_buffer=True)
+    image.colorspace_settings.name = "Non-Color"
+    pixels = [(1, 0, 0, 1), (0, 1, 0, 1), (0, 0, 1, 0), (1, 1, 1, 0)]  # the last two are not there
+    image.pixels.foreach_set(np.array(pixels, np.float32).ravel())
+    diffuse, texture = node(tree, "BsdfDiffuse"), tree.nodes.new("ShaderNodeTexImage")
+    texture.image = image
+    link(tree, texture, diffuse, "Color")
+    closure, warning = with_warning(tree, diffuse)
+    assert closure.color == pytest.approx((0.5, 0.5, 0))
+    assert "Image Texture" in warning
+
+
+def test_an_image_in_srgb_is_averaged_in_linear_light():
+    image = bpy.data.images.new("Grey", 2, 1)
+    image.pixels.foreach_set(np.array([0, 0, 0, 1, 1, 1, 1, 1], np.float32))
+    assert image_average(image, is_panorama=False) == pytest.approx((0.5, 0.5, 0.5, 1))
+    image.pixels.foreach_set(np.array([0.5, 0.5, 0.5, 1] * 2, np.float32))
+    assert image_average(image, is_panorama=False)[0] == pytest.approx(0.2140, abs=2e-3)  # 8 bits
+
+
+def test_fresnel_stands_for_its_average():
+    """Diffuse reflectance of a smooth surface of index 1.5 (Duntley 1942): 0.0918; and from inside, by reciprocity."""
+    assert average_fresnel(1.5) == pytest.approx(0.0918, abs=1e-4)
+    assert average_fresnel(1.0) == pytest.approx(0, abs=1e-6)
+    assert average_fresnel(1 / 1.5) == pytest.approx(1 - (1 - average_fresnel(1.5)) / 1.5**2, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("kind", "identifier"),
+    [("BsdfDiffuse", "Normal"), ("BsdfAnisotropic", "Normal"), ("BsdfPrincipled", "Normal"), ("BsdfGlass", "Normal")],
+)
+def test_bump_maps_are_named(tree, kind, identifier):
+    b_node = node(tree, kind)
+    link(tree, tree.nodes.new("ShaderNodeBump"), b_node, identifier)
+    _, warning = with_warning(tree, b_node)
+    assert warning == f"Material: {b_node.name}: Normal is linked to Bump, which is not rendered yet; left out"
+
+
+@pytest.mark.parametrize(
+    ("kind", "identifier", "value"),
+    [
+        ("BsdfDiffuse", "Roughness", 0.5),
+        ("BsdfPrincipled", "Subsurface_Weight", 0.5),
+        ("BsdfPrincipled", "Sheen_Weight", 0.5),
+        ("BsdfPrincipled", "Diffuse_Roughness", 0.5),
+        ("BsdfPrincipled", "Thin_Film_Thickness", 100.0),
+    ],
+)
+def test_values_that_are_not_rendered_are_named(tree, kind, identifier, value):
+    _, warning = with_warning(tree, node(tree, kind, **{identifier: value}))
+    assert f"{identifier.replace('_', ' ')} is not rendered yet; taken as 0" in warning
+
+
+def test_another_distribution_is_named(tree):
+    b_node = node(tree, "BsdfAnisotropic")
+    b_node.distribution = "BECKMANN"
+    closure, warning = with_warning(tree, b_node)
+    assert not closure.multiscatter
+    assert "Beckmann" in warning
+
+
+@pytest.mark.parametrize(
+    ("kind", "stand_in"),
+    [
+        ("SubsurfaceScattering", m.Diffuse),
+        ("BsdfSheen", m.Diffuse),
+        ("BsdfToon", m.Diffuse),
+        ("BsdfHair", m.Glossy),
+        ("BsdfHairPrincipled", m.Diffuse),
+        ("BsdfRayPortal", m.Transparent),
+        ("EeveeSpecular", m.Principled),
+        ("Holdout", m.Black),
+    ],
+)
+def test_the_nearest_closure_stands_in(tree, kind, stand_in):
+    b_node = node(tree, kind)
+    closure, warning = with_warning(tree, b_node)
+    assert isinstance(closure, stand_in)
+    assert warning.startswith(f"Material: {b_node.name}: {b_node.bl_label} is not rendered yet")
+
+
+def test_displacement_is_named(tree):
+    link(tree, tree.nodes.new("ShaderNodeDisplacement"), output_node(tree), "Displacement")
+    _, warning = with_warning(tree, node(tree, "BsdfDiffuse"))
+    assert "displacement" in warning
+
+
+def test_the_same_warning_comes_once():
+    report = Report()
+    for _ in range(3):
+        report.warn("Ball", "is round")
+    report.warn("Box", "is round")
+    assert report.warnings == ["Ball: is round", "Box: is round"]
