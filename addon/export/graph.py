@@ -28,7 +28,7 @@ class Graph:
         # the active output node for an engine that reads Cycles' materials, or None
         self.output = b_owner.node_tree.get_output_node("CYCLES")
         if self.output and self.output.target == "ALL" and hasattr(b_owner, "inline_shader_nodes"):
-            # Blender resolves what leads to outputs for all engines, and drops the rest. It frees the tree with `_inline`.
+            # Blender resolves what leads to outputs for all engines, drops the rest, and frees the tree with `_inline`
             self._inline = b_owner.inline_shader_nodes()
             self.output = self._inline.node_tree.get_output_node("CYCLES")
 
