@@ -32,6 +32,18 @@ def kernel(function):
     return numba.njit(float32_literals(function), cache=True, nogil=True, error_model="numpy", fastmath=FASTMATH)
 
 
+def inlined_kernel(function):
+    """As `kernel`, and always compiled into its callers: for what hands many SIMD registers in and out."""
+    return numba.njit(
+        float32_literals(function),
+        cache=True,
+        nogil=True,
+        error_model="numpy",
+        fastmath=FASTMATH,
+        forceinline=True,
+    )
+
+
 def builder_kernel(function):
     """Compile for preparing a scene: as `kernel`, but literals keep Python's float64."""
     return numba.njit(function, cache=True, nogil=True, error_model="numpy", fastmath=FASTMATH)

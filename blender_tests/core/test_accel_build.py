@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from engine_core.accel.binary import MAX_DEPTH
-from engine_core.accel.boxes import STACK_ROWS
+from engine_core.accel.boxes import STACK
 from engine_core.accel.build import build_boxes, build_triangles, rebase, rebase_packets
 
 RANDOM = np.random.default_rng(7)
@@ -96,7 +96,7 @@ def test_the_stack_of_traversal_holds_any_tree(name):
         deepest, needed[0] = max(deepest, depth), max(needed[0], below + len(child))
         todo += [(c, depth + 1, below + len(child) - 1) for c in child if c >= 0]
     assert deepest <= MAX_DEPTH
-    assert needed[0] <= STACK_ROWS
+    assert needed[0] <= STACK["keys"].shape[0]
 
 
 def test_boxes_are_in_the_order_of_their_leaves():

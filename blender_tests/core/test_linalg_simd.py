@@ -9,18 +9,24 @@ from engine_core.linalg.records import Tables
 from engine_core.linalg.simd import (
     bits,
     difference_of_products,
+    key_number,
     lane,
     lanes4,
+    load1,
     load4,
     load8,
     lowest_bit,
+    make_key,
     maximum,
     minimum,
     splat4,
     splat8,
     stack_record,
+    store1,
     store4,
     store8,
+    store_keys,
+    without_lowest_bit,
     xyz,
 )
 
@@ -112,12 +118,40 @@ def test_exchanged_products_differ_by_exactly_the_opposite():
 
 
 @kernel
-def lowest(x):
-    return lowest_bit(np.int32(x))
+def lowest_and_rest(x):
+    return lowest_bit(np.int32(x)), without_lowest_bit(np.int32(x))
 
 
 def test_lowest_bit():
-    assert [lowest(x) for x in (1, 2, 3, 12, 128)] == [0, 1, 0, 2, 7]
+    assert [lowest_and_rest(x) for x in (1, 2, 3, 12, 128)] == [(0, 0), (1, 0), (0, 2), (2, 8), (7, 0)]
+
+
+KEYS = np.dtype([("numbers", "i4", (8,)), ("t", "f4", (8,)), ("keys", "i8", (8,)), ("one", "i8"), ("back", "i4", (8,))])
+
+
+class Keys(Tables):
+    rows = KEYS
+
+
+@kernel
+def fill_keys(keys):
+    r = keys.rows[0]
+    store_keys(r, "keys", load8(r, "numbers", 0), load8(r, "t", 0))
+    store1(r, "one", 0, make_key(load1(r, "numbers", 3), load1(r, "t", 3)))
+    for i in range(8):
+        store1(r, "back", i, key_number(load1(r, "keys", i)))
+
+
+def test_keys_carry_their_number_and_sort_by_distance():
+    row = np.zeros(1, KEYS)
+    row["numbers"] = [5, -1, 2**31 - 1, -(2**31), 0, 7, -77, 1]
+    row["t"] = [1.5, 0.0, np.inf, 1e-30, 3e38, 1.5000001, 2.0, 1e-45]
+    keys = Keys(rows=row)
+    fill_keys(keys)
+    r = keys.rows[0]
+    np.testing.assert_array_equal(np.argsort(r["keys"]), np.argsort(r["t"]))
+    np.testing.assert_array_equal(r["back"], r["numbers"])
+    assert r["one"] == r["keys"][3]
 
 
 scratch = stack_record(ROW)

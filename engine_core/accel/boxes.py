@@ -5,30 +5,33 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..jit import kernel
+from ..jit import inlined_kernel
 from ..linalg.simd import (
     bits,
     f32x8,
+    key_number,
+    load1,
     load8,
     lowest_bit,
+    make_key,
     maximum,
     minimum,
+    prefetch,
     splat8,
     stack_record,
-    store8,
+    store1,
+    store_keys,
+    without_lowest_bit,
 )
 from .binary import MAX_DEPTH
 
 ZERO, ONE = np.float32(0.0), np.float32(1.0)
-ONE_BIT = np.int32(1)
 NO_LEAF = np.int32(0)  # stands where leaves, which are negative, are expected
 
-STACK_ROWS = 7 * MAX_DEPTH + 8  # each level of a tree leaves at most seven children behind
 STACK = np.dtype(
     [
-        ("child", "i4", (STACK_ROWS,)),
-        ("t", "f4", (STACK_ROWS,)),  # where the ray enters it
-        ("lanes", "f4", (8,)),
+        ("keys", "i8", (7 * MAX_DEPTH + 8,)),  # children still to be visited: each level leaves at most seven behind
+        ("children", "i8", (8,)),  # keys of the children of one node
     ]
 )
 stack_scratch = stack_record(STACK)
@@ -54,7 +57,7 @@ class Slabs(NamedTuple):
     far_iz: f32x8
 
 
-@kernel
+@inlined_kernel
 def make_slabs(o, d):
     """The ray o + t d, prepared for boxes."""
     ix, iy, iz = ONE / d.x, ONE / d.y, ONE / d.z
@@ -74,87 +77,101 @@ def make_slabs(o, d):
     )
 
 
-@kernel
+@inlined_kernel
 def enter_boxes(node, slabs, t_max):
     """Which children of a node the ray meets before `t_max`, as bits, and in lanes where it enters them.
 
-    A ray along a plane of a box gets 0 times infinity there. `maximum` and `minimum` return their second argument if
-    the first is not a number: so that plane does not count, and the ray is taken to be inside.
+    A ray within the plane of a side of a box gets 0 times infinity there, not a number. `maximum` and `minimum` then
+    return their second argument; so that side bounds nothing, nor perhaps the one before it, and the ray gets in.
     """
-    near = maximum((load8(node, "bounds", slabs.near_z) - slabs.oz) * slabs.near_iz, splat8(ZERO))
-    near = maximum((load8(node, "bounds", slabs.near_y) - slabs.oy) * slabs.near_iy, near)
-    near = maximum((load8(node, "bounds", slabs.near_x) - slabs.ox) * slabs.near_ix, near)
-    far = minimum((load8(node, "bounds", 7 - slabs.near_z) - slabs.oz) * slabs.far_iz, splat8(t_max))
-    far = minimum((load8(node, "bounds", 5 - slabs.near_y) - slabs.oy) * slabs.far_iy, far)
-    far = minimum((load8(node, "bounds", 3 - slabs.near_x) - slabs.ox) * slabs.far_ix, far)
+    near = maximum(
+        maximum(
+            (load8(node, "bounds", slabs.near_x) - slabs.ox) * slabs.near_ix,
+            (load8(node, "bounds", slabs.near_y) - slabs.oy) * slabs.near_iy,
+        ),
+        maximum((load8(node, "bounds", slabs.near_z) - slabs.oz) * slabs.near_iz, splat8(ZERO)),
+    )
+    far = minimum(
+        minimum(
+            (load8(node, "bounds", 3 - slabs.near_x) - slabs.ox) * slabs.far_ix,
+            (load8(node, "bounds", 5 - slabs.near_y) - slabs.oy) * slabs.far_iy,
+        ),
+        minimum((load8(node, "bounds", 7 - slabs.near_z) - slabs.oz) * slabs.far_iz, splat8(t_max)),
+    )
     return bits(near <= far), near
 
 
-@kernel
+@inlined_kernel
 def start(stack, root):
     """Put the root of a tree onto the stack; returns the top of the stack."""
-    stack.child[0], stack.t[0] = root, ZERO
+    store1(stack, "keys", 0, make_key(np.int32(root), ZERO))
     return 1
 
 
-@kernel
+@inlined_kernel
+def leave_for_later(scene, stack, top, key):
+    """Push a child, and have it brought from memory until it is popped."""
+    store1(stack, "keys", top, key)
+    child = key_number(key)
+    if child >= 0:
+        prefetch(scene.nodes[child])
+
+
+@inlined_kernel
 def next_leaf(scene, slabs, stack, top, t_max):
     """From the top of the stack down to the next leaf that the ray meets before `t_max`, nearest children first.
 
-    Returns the leaf, or NO_LEAF, and the new top of the stack.
+    Returns the leaf, or NO_LEAF, and the new top of the stack. Of three or more children the farther ones are not fully
+    sorted: that costs more than the few nodes it saves.
     """
+    beyond = make_key(NO_LEAF, t_max)
     while top > 0:
         top -= 1
-        child = stack.child[top]
-        if stack.t[top] >= t_max:
+        key = load1(stack, "keys", top)
+        if key >= beyond:
             continue
+        child = key_number(key)
         while child >= 0:
             node = scene.nodes[child]
             hits, entry = enter_boxes(node, slabs, t_max)
             if hits == 0:
                 break
             i = lowest_bit(hits)
-            hits &= hits - ONE_BIT
+            hits = without_lowest_bit(hits)
             if hits == 0:
-                child = node.child[i]
+                child = load1(node, "child", i)
                 continue
-            store8(stack, "lanes", 0, entry)
-            bottom = top
-            stack.child[top], stack.t[top] = node.child[i], stack.lanes[i]
-            top += 1
-            while hits != 0:  # sort the others in: the nearest ends on top
-                i = lowest_bit(hits)
-                hits &= hits - ONE_BIT
-                t = stack.lanes[i]
-                j = top
-                while j > bottom and stack.t[j - 1] < t:
-                    stack.t[j], stack.child[j] = stack.t[j - 1], stack.child[j - 1]
-                    j -= 1
-                stack.t[j], stack.child[j] = t, node.child[i]
+            store_keys(stack, "children", load8(node, "child", 0), entry)
+            nearest = load1(stack, "children", i)
+            while hits != 0:
+                key = load1(stack, "children", lowest_bit(hits))
+                hits = without_lowest_bit(hits)
+                leave_for_later(scene, stack, top, max(key, nearest))
+                nearest = min(key, nearest)
                 top += 1
-            top -= 1
-            child = stack.child[top]
+            child = key_number(nearest)
         if child < 0:
             return child, top
     return NO_LEAF, top
 
 
-@kernel
+@inlined_kernel
 def any_leaf(scene, slabs, stack, top, t_max):
     """As `next_leaf`, in no particular order."""
     while top > 0:
         top -= 1
-        child = stack.child[top]
+        child = key_number(load1(stack, "keys", top))
         while child >= 0:
             node = scene.nodes[child]
             hits, _ = enter_boxes(node, slabs, t_max)
             if hits == 0:
                 break
-            child = node.child[lowest_bit(hits)]
-            hits &= hits - ONE_BIT
+            child = load1(node, "child", lowest_bit(hits))
+            hits = without_lowest_bit(hits)
             while hits != 0:
-                stack.child[top] = node.child[lowest_bit(hits)]
-                hits &= hits - ONE_BIT
+                other = load1(node, "child", lowest_bit(hits))
+                hits = without_lowest_bit(hits)
+                leave_for_later(scene, stack, top, np.int64(other))
                 top += 1
         if child < 0:
             return child, top

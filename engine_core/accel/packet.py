@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..jit import kernel
+from ..jit import inlined_kernel
 from ..linalg.simd import bits, difference_of_products, f32x4, load4, maximum, minimum, splat4
 
 ZERO, ONE = np.float32(0.0), np.float32(1.0)
@@ -32,7 +32,7 @@ class PacketHit(NamedTuple):
     b2: f32x4
 
 
-@kernel
+@inlined_kernel
 def make_shear(o, d):
     """The ray o + t d, prepared for triangles."""
     ax, ay, az = abs(d.x), abs(d.y), abs(d.z)
@@ -52,7 +52,7 @@ def make_shear(o, d):
     return Shear(kx, ky, kz, splat4(ox), splat4(oy), splat4(oz), splat4(x * sz), splat4(y * sz), splat4(sz))
 
 
-@kernel
+@inlined_kernel
 def intersect_packet(packet, shear, t_max):
     """Triangles that the ray hits at 0 < t < t_max, from either side (Woop, Benthin and Wald 2013).
 

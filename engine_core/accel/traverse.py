@@ -10,14 +10,14 @@ from typing import NamedTuple
 import numpy as np
 
 from ..jit import kernel
-from ..linalg.simd import lane, lowest_bit
+from ..linalg.simd import lane, load1, lowest_bit, without_lowest_bit
 from ..linalg.transform import transform_point, transform_vector
 from ..shape import dispatch
 from ..tables import TreeKind, Visibility
 from .boxes import NO_LEAF, any_leaf, make_slabs, next_leaf, stack_scratch, start
 from .packet import intersect_packet, make_shear
 
-ZERO, ONE_BIT = np.float32(0.0), np.int32(1)
+ZERO = np.float32(0.0)
 NONE = -1
 TRIANGLES, SHAPES = int(TreeKind.TRIANGLES), int(TreeKind.SHAPES)  # as a Hit holds them
 SHADOW = np.int32(Visibility.SHADOW)
@@ -94,10 +94,10 @@ def intersect_triangles(scene, root, o, d, t_max):
             hits = found.hits
             while hits != 0:
                 i = lowest_bit(hits)
-                hits &= hits - ONE_BIT
+                hits = without_lowest_bit(hits)
                 t = lane(found.t, i)
                 if t < t_max:
-                    t_max, prim, b1, b2 = t, packet.prim[i], lane(found.b1, i), lane(found.b2, i)
+                    t_max, prim, b1, b2 = t, load1(packet, "prim", i), lane(found.b1, i), lane(found.b2, i)
 
 
 @kernel

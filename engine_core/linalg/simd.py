@@ -4,11 +4,11 @@
 They have operators and comparisons; a comparison gives a mask, and `bits` turns a mask into an integer with a bit for
 each lane. Lanes are loaded from and stored to fields of rows, so nothing here touches an array object:
 
-    t0 = load8(node, "bounds", 0) * splat8(inverse) + splat8(origin)
-    hits = bits(t0 <= splat8(t_max))
+    t = (load8(node, "bounds", 0) - splat8(origin)) * splat8(inverse)
+    hits = bits(t <= splat8(t_max))
     while hits != 0:
         i = lowest_bit(hits)
-        hits &= hits - 1
+        hits = without_lowest_bit(hits)
 
 For accel/ alone: everything else is scalar code, which a GPU could run.
 """
@@ -17,7 +17,7 @@ import operator
 
 from llvmlite import ir
 from numba import from_dtype
-from numba.core import types
+from numba.core import cgutils, types
 from numba.core.imputils import lower_builtin
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 from numba.extending import intrinsic, models, register_model
@@ -116,6 +116,16 @@ def lowest_bit(typing_context, x):
 
 
 @intrinsic
+def without_lowest_bit(typing_context, x):
+    """The integer with its lowest bit cleared."""
+
+    def lower(context, builder, sig, args):
+        return builder.and_(args[0], builder.sub(args[0], ir.Constant(INT, 1)))
+
+    return types.int32(types.int32), lower
+
+
+@intrinsic
 def lane(typing_context, v, i):
     """The number in lane i."""
     return types.float32(v, types.int32), lambda context, b, sig, args: b.extract_element(*args)
@@ -167,47 +177,63 @@ def xyz(typing_context, v):
 # ---- Memory ----------------------------------------------------------------------------------------------------------
 
 
-def _address(builder, row, offset, llvm_type):
-    return builder.bitcast(builder.gep(builder.bitcast(row, BYTE.as_pointer()), [offset]), llvm_type.as_pointer())
+def _address(builder, row_type, row, name, llvm_type, index=None):
+    """Address of element `index` of a field of a row, the field taken as one `llvm_type` after the other."""
+    at = builder.gep(builder.bitcast(row, BYTE.as_pointer()), [ir.Constant(LONG, row_type.offset(name))])
+    at = builder.bitcast(at, llvm_type.as_pointer())
+    return at if index is None else builder.gep(at, [index])
 
 
-def _lanes_address(builder, sig, args, lanes):
-    """Address of the lanes number args[2] of the field sig.args[1] of the row args[0]."""
-    row_type, name = sig.args[:2]
-    start = ir.Constant(LONG, row_type.offset(name.literal_value))
-    offset = builder.add(start, builder.mul(args[2], ir.Constant(LONG, 4 * lanes.width)))
-    return _address(builder, args[0], offset, lanes.llvm)
+def _load_and_store(element, llvm_type, doc):
+    """Intrinsics load(row, name, i) and store(row, name, i, x); `element` gives the numba type for a row and a name."""
 
-
-def _load(lanes):
     @intrinsic(prefer_literal=True)
     def load(typing_context, row, name, i):
-        """Lanes number i of the field `name` of a row: the field is taken as one lanes after the other."""
-
         def lower(context, builder, sig, args):
-            return builder.load(_lanes_address(builder, sig, args, lanes), align=4)
+            t = llvm_type(context, sig.return_type)
+            return builder.load(_address(builder, row, args[0], name.literal_value, t, args[2]), align=4)
 
-        return lanes(row, name, types.int64), lower
+        return element(row, name.literal_value)(row, name, types.int64), lower
 
-    return load
-
-
-def _store(lanes):
     @intrinsic(prefer_literal=True)
-    def store(typing_context, row, name, i, v):
-        """Write lanes number i of the field `name` of a row."""
-
+    def store(typing_context, row, name, i, x):
         def lower(context, builder, sig, args):
-            builder.store(args[3], _lanes_address(builder, sig, args, lanes), align=4)
+            t = llvm_type(context, sig.args[3])
+            builder.store(args[3], _address(builder, row, args[0], name.literal_value, t, args[2]), align=4)
             return context.get_dummy_value()
 
-        return types.void(row, name, types.int64, lanes), lower
+        return types.void(row, name, types.int64, element(row, name.literal_value)), lower
 
-    return store
+    load.__doc__ = f"{doc} `name` of a row: load(row, name, i). `i` is not negative."
+    store.__doc__ = f"{doc} `name` of a row is set to `x`: store(row, name, i, x). `i` is not negative."
+    return load, store
 
 
-load4, load8 = _load(f32x4), _load(f32x8)
-store4, store8 = _store(f32x4), _store(f32x8)
+load1, store1 = _load_and_store(
+    lambda row, name: row.typeof(name).dtype, lambda context, t: context.get_value_type(t), "Number i of the field"
+)
+load4, store4 = _load_and_store(
+    lambda row, name: f32x4, lambda context, t: t.llvm, "Four floats, number i, of the field"
+)
+load8, store8 = _load_and_store(
+    lambda row, name: f32x8, lambda context, t: t.llvm, "Eight floats, number i, of the field"
+)
+
+
+@intrinsic
+def prefetch(typing_context, row):
+    """Have the row, up to four cache lines of it, brought from memory."""
+
+    def lower(context, builder, sig, args):
+        signature_ = ir.FunctionType(ir.VoidType(), [BYTE.as_pointer(), INT, INT, INT])
+        call = cgutils.get_or_insert_function(builder.module, signature_, "llvm.prefetch.p0")
+        start = builder.bitcast(args[0], BYTE.as_pointer())
+        for line in range(0, min(sig.args[0].size, 256), 64):
+            at = builder.gep(start, [ir.Constant(LONG, line)])
+            builder.call(call, [at, ir.Constant(INT, 0), ir.Constant(INT, 3), ir.Constant(INT, 1)])
+        return context.get_dummy_value()
+
+    return types.void(row), lower
 
 
 def stack_record(dtype):
@@ -226,3 +252,36 @@ def stack_record(dtype):
         return record(), lower
 
     return scratch
+
+
+# ---- Keys: an integer and a distance in one number -------------------------------------------------------------------
+
+
+@intrinsic
+def make_key(typing_context, number, t):
+    """An int64 that sorts by `t` >= 0, a float32, and carries an int32."""
+
+    def lower(context, builder, sig, args):
+        high = builder.shl(builder.zext(builder.bitcast(args[1], INT), LONG), ir.Constant(LONG, 32))
+        return builder.or_(high, builder.zext(args[0], LONG))
+
+    return types.int64(types.int32, types.float32), lower
+
+
+@intrinsic
+def key_number(typing_context, key):
+    """The int32 that a key carries."""
+    return types.int32(types.int64), lambda context, b, sig, args: b.trunc(args[0], INT)
+
+
+@intrinsic(prefer_literal=True)
+def store_keys(typing_context, row, name, numbers, t):
+    """Eight keys to the field `name` of a row; `numbers` are int32 in the lanes of an f32x8, as `load8` finds them."""
+
+    def lower(context, builder, sig, args):
+        order = ir.Constant(ir.VectorType(INT, 16), [i // 2 + 8 * (i % 2) for i in range(16)])
+        pairs = builder.shuffle_vector(args[2], args[3], order)
+        builder.store(pairs, _address(builder, row, args[0], name.literal_value, pairs.type), align=8)
+        return context.get_dummy_value()
+
+    return types.void(row, name, f32x8, f32x8), lower
