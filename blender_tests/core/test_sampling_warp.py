@@ -86,6 +86,12 @@ def test_disk_keeps_squares_around_the_centre_as_circles():
         np.testing.assert_allclose(np.hypot(*points.T), 0.6, atol=1e-6)
 
 
+def test_disk_has_an_edge():
+    """Its density is 1 / area inside and 0 outside."""
+    assert warp.square_to_disk_pdf(np.float32(0.6), np.float32(-0.79)) == pytest.approx(1.0 / math.pi)
+    assert warp.square_to_disk_pdf(np.float32(0.6), np.float32(-0.81)) == 0.0
+
+
 def test_disk_has_a_centre():
     np.testing.assert_array_equal(warp.square_to_disk(np.float32(0.5), np.float32(0.5)), 0.0)
 

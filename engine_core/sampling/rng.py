@@ -10,8 +10,7 @@ import numpy as np
 from ..jit import kernel
 
 LOWBIAS_1, LOWBIAS_2 = np.uint32(0x21F0AAAD), np.uint32(0xD35A2D97)
-PCG_MULTIPLIER, PCG_INCREMENT = np.uint32(747796405), np.uint32(2891336453)
-PCG_OUTPUT = np.uint32(277803737)
+GOLDEN = np.uint32(0x9E3779B9)  # 2^32 over the golden ratio: keeps a number 0 from hashing to 0
 TWO_TO_MINUS_24 = np.float32(2.0**-24)
 
 
@@ -31,21 +30,13 @@ def hash_u32(x):
 @kernel
 def hash_combine(seed, x):
     """A hash of two numbers of 32 bits; the order matters."""
-    return hash_u32(np.uint32(hash_u32(np.uint32(np.uint32(x) + PCG_INCREMENT)) + np.uint32(seed)))
+    return hash_u32(np.uint32(hash_u32(np.uint32(np.uint32(x) + GOLDEN)) + np.uint32(seed)))
 
 
 @kernel
 def hash_float(a, b, c):
     """A random number in [0, 1) that belongs to three integers of 32 bits."""
     return to_unit_float(hash_combine(hash_combine(a, b), c))
-
-
-@kernel
-def next_random(state):
-    """(new state, 32 random bits) of the generator PCG-RXS-M-XS-32 (O'Neill 2014); period 2 ** 32."""
-    state = np.uint32(state)
-    bits = np.uint32((np.uint32(state >> ((state >> 28) + np.uint32(4))) ^ state) * PCG_OUTPUT)
-    return np.uint32(state * PCG_MULTIPLIER + PCG_INCREMENT), np.uint32(bits ^ (bits >> 22))
 
 
 @kernel
