@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from blender_tests.core.test_accel_build import TRIANGLES, soup
-from blender_tests.helpers.rays import blocked, closest, geometry_scene, lamps
+from blender_tests.helpers.rays import blocked, bumpy_sphere, closest, geometry_scene, lamps
 from engine_core.tables import SHAPE, ShapeKind, TreeKind, Visibility
 
 RANDOM = np.random.default_rng(11)
@@ -140,23 +140,6 @@ def test_a_ray_within_a_plane_passes_it_by_and_hits_what_stands_on_it():
     hits = closest(geometry_scene(np.concatenate([floor, wall])), o, [1, 0, 0])
     assert (hits["t"] == 6.0).all()
     assert (hits["prim"] >= len(floor)).all()
-
-
-def bumpy_sphere(rings):
-    """A closed surface of triangles around the origin: vertices (v, 3), faces (n, 3)."""
-    u = np.linspace(0, 2 * np.pi, 2 * rings, endpoint=False)
-    v = np.linspace(0, np.pi, rings + 1)[1:-1, None]
-    ring = np.stack(np.broadcast_arrays(np.sin(v) * np.cos(u), np.sin(v) * np.sin(u), np.cos(v)), axis=-1)
-    ring *= 1 + 0.1 * np.sin(15 * ring[..., :1]) * np.sin(17 * ring[..., 1:2])
-    vertices = np.concatenate([ring.reshape(-1, 3), [[0, 0, 1], [0, 0, -1]]]).astype(np.float32)
-    columns = 2 * rings
-    a = np.arange((rings - 2) * columns).reshape(-1, columns)
-    b = np.roll(a, -1, axis=1)
-    last, north, south = (rings - 2) * columns, len(vertices) - 2, len(vertices) - 1
-    faces = [np.stack([a, a + columns, b], -1), np.stack([b, a + columns, b + columns], -1)]
-    caps = [np.stack([np.full(columns, north), a[0], b[0]], -1)]
-    caps += [np.stack([np.full(columns, south), np.roll(np.arange(columns), -1) + last, np.arange(columns) + last], -1)]
-    return vertices, np.concatenate([f.reshape(-1, 3) for f in faces + caps])
 
 
 def test_no_ray_escapes_from_a_closed_surface():

@@ -140,6 +140,23 @@ def geometry_scene(triangles=None, shapes=None, lamps=None, instances=()):
     return Scene(**{name: given.get(name, np.zeros(0, dtype)) for name, dtype in Scene.dtypes().items()})
 
 
+def bumpy_sphere(rings):
+    """A closed surface of triangles around the origin: vertices (v, 3), faces (n, 3)."""
+    u = np.linspace(0, 2 * np.pi, 2 * rings, endpoint=False)
+    v = np.linspace(0, np.pi, rings + 1)[1:-1, None]
+    ring = np.stack(np.broadcast_arrays(np.sin(v) * np.cos(u), np.sin(v) * np.sin(u), np.cos(v)), axis=-1)
+    ring *= 1 + 0.1 * np.sin(15 * ring[..., :1]) * np.sin(17 * ring[..., 1:2])
+    vertices = np.concatenate([ring.reshape(-1, 3), [[0, 0, 1], [0, 0, -1]]]).astype(np.float32)
+    columns = 2 * rings
+    a = np.arange((rings - 2) * columns).reshape(-1, columns)
+    b = np.roll(a, -1, axis=1)
+    last, north, south = (rings - 2) * columns, len(vertices) - 2, len(vertices) - 1
+    faces = [np.stack([a, a + columns, b], -1), np.stack([b, a + columns, b + columns], -1)]
+    caps = [np.stack([np.full(columns, north), a[0], b[0]], -1)]
+    caps += [np.stack([np.full(columns, south), np.roll(np.arange(columns), -1) + last, np.arange(columns) + last], -1)]
+    return vertices, np.concatenate([f.reshape(-1, 3) for f in faces + caps])
+
+
 def _joined(parts, dtype):
     table = aligned_rows(sum(map(len, parts)), dtype)
     return np.concatenate(parts, out=table) if parts else table
