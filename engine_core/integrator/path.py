@@ -51,8 +51,8 @@ def clamped(L, limit):
 
 
 @kernel
-def trace_path(scene, settings, sampler, o, d):
-    """Radiance that arrives at `o` from the unit direction `d`."""
+def trace_path(scene, settings, sampler, o, d, t_max):
+    """Radiance that arrives at `o` from the unit direction `d`; the camera sees no further than `t_max`."""
     bsdf = new_bsdf()
     samples_lights = settings.integrator == IntegratorKind.PATH
     beta = WHITE  # throughput
@@ -71,7 +71,7 @@ def trace_path(scene, settings, sampler, o, d):
 
     while True:
         # ---- Where are we? ---------------------------------------------------------------------------------------
-        hit = intersect_closest(scene, o, d, FAR, visibility)
+        hit = intersect_closest(scene, o, d, t_max, visibility)
         limit = settings.clamp_direct if bounces <= 1 else settings.clamp_indirect
 
         # ---- Light that this ray runs into -----------------------------------------------------------------------
@@ -125,6 +125,7 @@ def trace_path(scene, settings, sampler, o, d):
             if transparent_bounces > settings.transparent_bounces:
                 break
             distance += hit.t
+            t_max -= hit.t
         else:
             if ends_here:
                 break
@@ -144,7 +145,7 @@ def trace_path(scene, settings, sampler, o, d):
                 or glossy_bounces > settings.glossy_bounces
                 or transmission_bounces > settings.transmission_bounces
             )
-            p_last, distance = it.p, np.float32(0.0)
+            p_last, distance, t_max = it.p, np.float32(0.0), FAR
             pdf_last = np.float32(0.0) if s.is_delta or not samples_lights else s.pdf
         beta = beta * s.weight
         if is_black(beta):

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The kernel that renders a tile: samples of pixels, added to the film."""
 
+import math
+
 import numpy as np
 
 from ..camera.dispatch import generate_ray
@@ -45,8 +47,10 @@ def render_tile(scene, settings, film, x0, y0, width, height, first_sample, coun
                     u0,
                     u1,
                 )
-                path = trace_path(scene, settings, sampler, ray.o, ray.d)
+                path = trace_path(scene, settings, sampler, ray.o, ray.d, ray.t_max)
                 L = path.L * settings.exposure
+                if not math.isfinite(L.x + L.y + L.z):
+                    L = BLACK  # one overflow in a million samples must not cost the pixel
                 radiance = radiance + L
                 if index % 2 == 0:
                     even = even + L

@@ -80,7 +80,7 @@ def light_power(lights, scene_radius):
     sides = np.where(lights["two_sided"] != 0, 2.0, 1.0)
     factors = {
         LightKind.POINT: ball,
-        LightKind.SPOT: ball * _spot_fraction(lights),
+        LightKind.SPOT: ball * np.where(kind == LightKind.SPOT, _spot_fraction(lights), 1.0),
         LightKind.SUN: disk * np.where(is_delta, 1.0, np.pi * height * (2.0 - height)),  # pi sin^2
         LightKind.QUAD: area * np.where(is_delta, 1.0, np.pi * _spread_fraction(lights)),
         LightKind.DISK: area * np.where(is_delta, 1.0, np.pi * _spread_fraction(lights)),
