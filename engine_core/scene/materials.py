@@ -16,7 +16,6 @@ from ..tables import LOBE, MAX_LOBES, FresnelKind, LobeKind
 
 WHITE = (1.0, 1.0, 1.0)
 NEGLIGIBLE = 1e-5  # weights below this are dropped, as Cycles does
-SMOOTHEST_ALPHA = 1e-4  # the narrowest coat that still has a width
 
 
 @dataclass(frozen=True)
@@ -243,7 +242,7 @@ class _Lowering:
         self._lobe(LobeKind.TRANSPARENT, weight * (1.0 - c.alpha))
         weight = weight * c.alpha
         if c.coat_weight > NEGLIGIBLE:
-            coat = {"ior": max(c.coat_ior, 1.0), **alphas(max(c.coat_roughness, SMOOTHEST_ALPHA))}
+            coat = {"ior": max(c.coat_ior, 1.0), "multiscatter": 1, **alphas(c.coat_roughness)}
             cover = {"covers": c.coat_weight, "refract_tint": c.coat_tint}
             self._lobe(LobeKind.COATING, weight * c.coat_weight, **cover, **coat, **layer)
         self.emission += weight * np.array(c.emission_color) * c.emission_strength
