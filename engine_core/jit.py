@@ -25,8 +25,6 @@ import numpy as np
 # Contraction into fused multiply-adds, reciprocals for repeated divisions, and no care for the sign of zero.
 # Not "nnan" or "ninf": slabs of flat boxes and missing children count on infinities.
 FASTMATH = {"contract", "arcp", "nsz"}
-
-
 # No wrapper for calls from C, which nobody makes: saves a tenth of the time that compiling takes.
 OPTIONS = {"cache": True, "nogil": True, "error_model": "numpy", "fastmath": FASTMATH, "no_cfunc_wrapper": True}
 
@@ -38,14 +36,7 @@ def kernel(function):
 
 def inlined_kernel(function):
     """As `kernel`, and always compiled into its callers: for what hands many SIMD registers in and out."""
-    return numba.njit(
-        float32_literals(function),
-        cache=True,
-        nogil=True,
-        error_model="numpy",
-        fastmath=FASTMATH,
-        forceinline=True,
-    )
+    return numba.njit(float32_literals(function), forceinline=True, **OPTIONS)
 
 
 def builder_kernel(function):

@@ -193,8 +193,8 @@ LIGHT = np.dtype(
         # a direction w from the lamp is (w.u, w.v, w.n) in the space where its cone is round and its cosine counts
         ("radius", "f4"),
         ("area", "f4"),
-        ("emission", "f4", (3,)),  # radiance, straight ahead where it depends on the angle; is_delta: POINT, SPOT: radiant
-        # intensity; SUN, QUAD, DISK: irradiance
+        ("emission", "f4", (3,)),  # radiance, straight ahead where it depends on the angle; is_delta: POINT, SPOT:
+        # radiant intensity; SUN, QUAD, DISK: irradiance
         ("soft", "i4"),  # POINT, SPOT: 1: a facing disk; 0: a sphere
         ("height", "f4"),  # SUN: 1 - cosine of half the angle of its disk; float32 has no digits left in the cosine
         ("cos_angle", "f4"),  # SPOT: cosine of half the cone

@@ -78,7 +78,7 @@ def pdf(scene, light, p, wi, t):
 
 @kernel
 def surface_normal(light, q):
-    """Unit normal of the geometry at its point `q`, if the light is geometry that blocks rays; else zero, as of lamps."""
+    """Unit normal of the light at its point `q` if it is geometry, which blocks rays; zero for lamps."""
     kind = light.kind
     if kind == LightKind.TRIANGLE:
         return load3(light, "n")
