@@ -291,6 +291,18 @@ def test_lamps_are_met_one_behind_the_other():
     np.testing.assert_allclose(met, expected, atol=1e-6)
 
 
+def test_a_ray_that_is_not_a_number_hits_nothing_and_ends():
+    scene = mixed_scene()
+    for o, d in (
+        ([0, 0, 0], [np.nan, 0, 1]),
+        ([np.nan] * 3, [0, 0, 1]),
+        ([0, 0, 0], [np.nan] * 3),
+        ([0, 0, 0], [0, 0, 0]),
+    ):
+        assert closest(scene, np.float32([o]), np.float32(d))["prim"] == -1
+        assert not blocked(scene, np.float32([o]), np.float32(d))
+
+
 def test_a_scene_of_nothing_is_never_hit():
     scene = geometry_scene()
     assert (closest(scene, directions(10), directions(10))["prim"] == -1).all()

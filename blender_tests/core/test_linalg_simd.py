@@ -126,7 +126,9 @@ def test_lowest_bit():
     assert [lowest_and_rest(x) for x in (1, 2, 3, 12, 128)] == [(0, 0), (1, 0), (0, 2), (2, 8), (7, 0)]
 
 
-KEYS = np.dtype([("numbers", "i4", (8,)), ("t", "f4", (8,)), ("keys", "i8", (8,)), ("one", "i8"), ("back", "i4", (8,))])
+KEYS = np.dtype(
+    [("numbers", "i4", (8,)), ("t", "f4", (8,)), ("keys", "i8", (8,)), ("one", "i8", (1,)), ("back", "i4", (8,))]
+)
 
 
 class Keys(Tables):
@@ -151,7 +153,7 @@ def test_keys_carry_their_number_and_sort_by_distance():
     r = keys.rows[0]
     np.testing.assert_array_equal(np.argsort(r["keys"]), np.argsort(r["t"]))
     np.testing.assert_array_equal(r["back"], r["numbers"])
-    assert r["one"] == r["keys"][3]
+    assert r["one"][0] == r["keys"][3]
 
 
 scratch = stack_record(ROW)

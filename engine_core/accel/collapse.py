@@ -143,7 +143,7 @@ def emit(work, with_packets):
             found = find_children(work, n)
         row = work.nodes[made]
         for c in range(8):
-            row.child[c] = 0
+            row.child[c] = ~0  # a leaf: a ray that is not a number, which gets everywhere, comes to an end
             for axis in range(3):
                 row.bounds[axis, c], row.bounds[3 + axis, c] = INFINITY, -INFINITY
         for c in range(found):

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..jit import kernel
+from ..jit import inlined_kernel, kernel
 from ..linalg.simd import lane, load1, lowest_bit, without_lowest_bit
 from ..linalg.transform import transform_point, transform_vector
 from ..shape import dispatch
@@ -44,7 +44,7 @@ class TreeHit(NamedTuple):
 # ---- What is hit first -----------------------------------------------------------------------------------------------
 
 
-@kernel
+@inlined_kernel
 def intersect_closest(scene, o, d, t_max, visibility):
     """The first triangle or shape on the ray o + t d, 0 < t < t_max, among objects that `visibility` rays can see.
 
