@@ -13,7 +13,7 @@ import numpy as np
 from ..core import Visibility
 from .light import export_light
 from .material import export_materials
-from .mesh import mesh_arrays, point_arrays, sphere_around, without_broken_triangles
+from .mesh import first_slot, mesh_arrays, point_arrays, sphere_around, without_broken_triangles
 
 RAYS = {
     "visible_camera": Visibility.CAMERA,
@@ -89,26 +89,23 @@ def _source(context, b_object, geometries):
     geometry = _geometry(context, b_object, geometries)
     if geometry is None:
         return Source(None, (), b_object.name, Visibility.ALL, 0)
+    materials = export_materials(context, b_object)
+    if materials and (type(b_object.data).__name__ != "Mesh" or _is_sphere(b_object)):
+        materials = (materials[min(first_slot(b_object.data), len(materials) - 1)],)
     for flag, text in (
         (b_object.is_shadow_catcher, "shadow catchers are not rendered yet; it is an ordinary object"),
         (_is_holdout(context, b_object), "holdouts are not rendered yet; it is an ordinary object"),
     ):
         if flag:
             context.warn(b_object.name, text)
-    return Source(
-        geometry,
-        export_materials(context, b_object),
-        b_object.name,
-        _visibility(context, b_object),
-        b_object.pass_index,
-    )
+    return Source(geometry, materials, b_object.name, _visibility(context, b_object), b_object.pass_index)
 
 
 def _geometry(context, b_object, geometries):
     """Number of the object's geometry in the builder; None if it has no surface. Objects that share their evaluated
     data share it: a mesh that no modifier has changed, all instances of an object."""
     b_data, name = b_object.data, b_object.name
-    is_sphere = getattr(getattr(b_object, "lambent", None), "shape", "MESH") == "SPHERE"
+    is_sphere = _is_sphere(b_object)
     key = b_data.as_pointer(), is_sphere
     if key in geometries:
         return geometries[key]
@@ -123,6 +120,11 @@ def _geometry(context, b_object, geometries):
         context.warn(name, f"{NOT_RENDERED[b_object.type]} are not rendered yet; it is left out")
     geometries[key] = geometry
     return geometry
+
+
+def _is_sphere(b_object):
+    """Whether the artist marked it to be rendered as a perfect sphere."""
+    return getattr(getattr(b_object, "lambent", None), "shape", "MESH") == "SPHERE"
 
 
 def _read_mesh(context, name, b_mesh):

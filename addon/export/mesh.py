@@ -111,3 +111,9 @@ def sphere_around(b_mesh):
     positions = read(b_mesh.attributes["position"].data, "vector", len(b_mesh.vertices), np.float32, 3)
     low, high = positions.min(axis=0), positions.max(axis=0)
     return (low + high)[None] / 2.0, (high - low).max(keepdims=True) / 2.0
+
+
+def first_slot(b_data):
+    """Material slot of the first face or point, for what has one material. Geometry nodes often leave slot 0 empty."""
+    attribute = b_data.attributes.get("material_index")
+    return max(attribute.data[0].value, 0) if attribute and len(attribute.data) else 0

@@ -15,12 +15,11 @@ import os
 import tempfile
 from pathlib import Path
 
-import addon_utils
 import bpy
 import numpy as np
 
 from .exr import read_rgba
-from .small_blend import save_as_exr
+from .small_blend import enable_cycles, save_as_exr
 
 SETTINGS = {
     "device": "CPU",
@@ -85,7 +84,7 @@ def load(source):
 
 def render_with_cycles(scene, samples, size=None, seed=0):
     """Render the open scene as it is."""
-    addon_utils.enable("cycles")
+    enable_cycles()
     set_up_cycles(scene, samples, seed)
     if size:
         scene.render.resolution_x, scene.render.resolution_y = size
