@@ -19,7 +19,7 @@ POLL_S = 0.04  # how long Esc may go unnoticed
 REFRESH_S = 0.1  # between two looks at new tiles ...
 REFRESH_SHARE = 0.25  # ... which may take this share of the thread's time
 STATUS_S = 0.2  # between two lines of status ...
-STATUS_BACKGROUND_S = 1.0  # ... each of which is a line in the log without a window
+STATUS_BACKGROUND_S = 2.0  # ... each of which is a line in the log without a window
 
 
 def render_view_layer(engine, depsgraph):
@@ -61,22 +61,28 @@ def _run(engine, session, result):
     session.start()
     try:
         while session.is_running and not (cancelled := engine.test_break()):
-            screen.add(session.finished_tiles(POLL_S))
-            if not bpy.app.background:
-                screen.refresh(session.render)
             status.tell(session)
+            screen.add(session.finished_tiles(POLL_S))
+            if is_watched():
+                screen.refresh(session.render)
     except BaseException:
         session.cancel()  # nobody else would stop the threads
         raise
     if cancelled:
         session.cancel()
     session.wait(POLL_S if cancelled else None)
+    screen.add(session.finished_tiles(0.0))  # a small picture is finished before the first look
     tell_warnings(engine, session.warnings)
     if session.render is not None:
         result.write(session.render)
-        result.stamp(samples=session.render.samples_done, render_time=f"{session.render.elapsed_s:.2f} s")
+        result.stamp(samples=session.render.samples_done, render_time=f"{session.render.elapsed_s:.3f} s")
     status.tell(session, now=True)
     return not cancelled
+
+
+def is_watched():
+    """Whether somebody sees tiles before the picture is finished."""
+    return not bpy.app.background
 
 
 class Screen:
@@ -110,7 +116,7 @@ class Status:
         if not now and clock < self._due and session.phase == self._phase:
             return
         self._phase = session.phase
-        self._due = clock + (STATUS_BACKGROUND_S if bpy.app.background else STATUS_S)
+        self._due = clock + (STATUS_S if is_watched() else STATUS_BACKGROUND_S)
         self._engine.update_progress(session.progress)
         self._engine.update_memory_stats(memory_used=session.memory_mib, memory_peak=session.memory_mib)
         self._engine.update_stats("", status_text(session))

@@ -10,6 +10,7 @@ class SpreadPanel(LambentPanel, bpy.types.Panel):
     bl_idname = "LAMBENT_LIGHT_PT_spread"
     bl_label = "Beam Shape"
     bl_context = "data"
+    bl_parent_id = "DATA_PT_EEVEE_light"
 
     @classmethod
     def poll(cls, context):

@@ -19,6 +19,27 @@ TIMEOUT_S = 900
 _reports = {}  # file of tests: {node id: [report, ...]}
 
 
+@pytest.fixture
+def registered():
+    """The add-on is there during the test."""
+    import addon
+
+    addon.register()
+    yield
+    addon.unregister()
+
+
+@pytest.fixture
+def scene(registered):
+    """A small scene whose engine is Lambent; see small_blend."""
+    from blender_tests.helpers.small_blend import small_scene
+
+    return small_scene()
+
+
+# ---- A process for each file -----------------------------------------------------------------------------------------
+
+
 def pytest_runtest_protocol(item, nextitem):
     if REPORTS in os.environ or Path(__file__).parent not in item.path.parents:
         return None
