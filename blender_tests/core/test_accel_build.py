@@ -99,17 +99,29 @@ def test_the_stack_of_traversal_holds_any_tree(name):
     assert needed[0] <= STACK["keys"].shape[0]
 
 
+def test_what_stands_together_is_together_in_the_tree():
+    """Eight heaps of four triangles far apart, in any order: one node, and a packet for each heap."""
+    heap = np.arange(32) % 8
+    corner = np.array([[x, y, z] for x in (0, 10) for y in (0, 13) for z in (0, 17)], np.float32)
+    p = soup(32, 0.5) + corner[heap, None]
+    nodes, packets = build_triangles(p)
+    assert len(nodes) == 1
+    assert len(packets) == 8
+    assert (heap[packets["prim"]] == heap[packets["prim"]][:, :1]).all()
+
+
 def test_boxes_are_in_the_order_of_their_leaves():
-    lo = RANDOM.random((1000, 3)).astype(np.float32)
-    hi = lo + RANDOM.random((1000, 3)).astype(np.float32) * np.float32(0.1)
+    lo = RANDOM.normal(size=(1000, 3))  # float64, so that rounding them to the nearest would cut off something
+    hi = lo + RANDOM.random((1000, 3)) * 0.1
     nodes, order = build_boxes(lo, hi)
     found = leaves(nodes)
     assert sorted(first for first, _, _ in found) == list(range(1000))
     assert {count for _, count, _ in found} == {1}
     for first, _, path in found:
         for n, c in path:
-            assert (lo[order[first]] >= nodes[n]["bounds"][:3, c]).all()
-            assert (hi[order[first]] <= nodes[n]["bounds"][3:, c]).all()
+            bounds = nodes[n]["bounds"][:, c].astype(np.float64)
+            assert (lo[order[first]] >= bounds[:3]).all()
+            assert (hi[order[first]] <= bounds[3:]).all()
 
 
 def test_nothing_makes_no_tree():

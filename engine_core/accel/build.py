@@ -42,7 +42,8 @@ def build_triangles(p):
 def build_boxes(lo, hi):
     """The tree over boxes from `lo` to `hi`, (n, 3), one a leaf. Returns rows of NODE and the order of leaves, int32.
 
-    Boxes are widened by some roundings: what is in them is met by other arithmetic, in a space of its own.
+    Boxes are widened by some roundings: of these numbers, if they are float64, and of the arithmetic by which rays meet
+    what is in them, in a space of its own.
     """
     _check(len(lo))
     boxes = aligned_rows(len(lo), BOX)

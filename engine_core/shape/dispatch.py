@@ -51,13 +51,11 @@ def uv(shape, p):
 
 
 def bounds(shapes):
-    """Boxes around rows of SHAPE: lo, hi, float32 (n, 3). They contain the shapes in spite of rounding."""
+    """Boxes around rows of SHAPE: lo, hi, float32 (n, 3). They contain the shapes, rounded outwards."""
     kind = shapes["kind"][:, None]
     u, v = shapes["u"].astype(np.float64), shapes["v"].astype(np.float64)
     ball = np.repeat(shapes["radius"].astype(np.float64)[:, None], 3, axis=1)
     half = np.select([kind == ShapeKind.QUAD, kind == ShapeKind.DISK], [np.abs(u) + np.abs(v), np.hypot(u, v)], ball)
     centre = shapes["p"].astype(np.float64)
-    # rays meet a shape with an error of its own size and distance times some units in the last place of float32
-    half += 4e-7 * (np.abs(centre) + half.max(axis=1, keepdims=True))
     lo, hi = (centre - half).astype(np.float32), (centre + half).astype(np.float32)
     return np.nextafter(lo, np.float32(-np.inf)), np.nextafter(hi, np.float32(np.inf))
