@@ -85,6 +85,8 @@ def _build(boxes, corners, leaf_size, block_shift):
 
 def trimmed(rows, count):
     """The first `count` rows, in memory of just their size."""
+    if count == len(rows):
+        return rows
     result = aligned_rows(count, rows.dtype)
     result[:] = rows[:count]
     return result
