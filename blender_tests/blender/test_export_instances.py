@@ -5,7 +5,7 @@ import bpy
 import numpy as np
 import pytest
 
-from blender_tests.helpers.exported import add, empty_scene, export, export_as_a_render, placement, square
+from blender_tests.helpers.exported import add, empty_scene, export, export_as_a_render, mesh, placement, square
 from engine_core.tables import Visibility
 
 
@@ -71,6 +71,7 @@ def instance_on_points(b_object, instanced):
     tree.links.new(info.outputs["Geometry"], scatter.inputs["Instance"])
     tree.links.new(scatter.outputs[0], end.inputs[0])
     b_object.modifiers.new("Scatter", "NODES").node_group = tree
+    return tree
 
 
 def test_geometry_nodes_instance_by_the_thousand():
@@ -84,6 +85,31 @@ def test_geometry_nodes_instance_by_the_thousand():
     assert len(builder.geometries) == 1
     placed = positions(builder)
     assert placed[np.lexsort(placed.T)] == pytest.approx(grid[np.lexsort(grid.T)], abs=1e-6)
+
+
+def test_geometry_nodes_may_pick_from_a_collection_of_looks():
+    """One mesh, the materials by object; Blender hands all instances out in one temporary object."""
+    looks, shared = bpy.data.collections.new("Looks"), square("Shared")
+    shared.materials.append(None)
+    for name in ("Red", "Green", "Blue"):
+        b_object = bpy.data.objects.new(name, shared)
+        b_object.material_slots[0].link = "OBJECT"
+        b_object.material_slots[0].material = material(name)
+        looks.objects.link(b_object)
+    add("Points", mesh("Points", [(x, 0, 0) for x in range(6)], []))
+    tree = instance_on_points(bpy.data.objects["Points"], None)
+    scatter = tree.nodes["Instance on Points"]
+    info = tree.nodes.new("GeometryNodeCollectionInfo")
+    info.inputs["Collection"].default_value = looks
+    info.inputs["Separate Children"].default_value = True
+    scatter.inputs["Pick Instance"].default_value = True
+    tree.links.new(tree.nodes.new("GeometryNodeInputIndex").outputs[0], scatter.inputs["Instance Index"])
+    tree.links.new(info.outputs[0], scatter.inputs["Instance"])
+    builder, warnings = export()
+    assert warnings == []
+    assert len(builder.geometries) == 1
+    used = sorted(builder.materials[p.materials[0]].name for p in builder.placements)
+    assert used == ["Blue", "Blue", "Green", "Green", "Red", "Red"]
 
 
 def test_geometry_made_by_nodes_has_the_materials_that_nodes_gave_it():
@@ -125,6 +151,15 @@ def test_strands_of_hair_are_named_as_missing():
     emitter.particle_systems[0].settings.type = "HAIR"
     _, warnings = export()
     assert warnings == ["Emitter: hair particles are not rendered yet; they are left out"]
+
+
+def test_an_emitter_that_shows_only_its_hair_is_left_out():
+    emitter = add("Emitter", square(), show_instancer_for_viewport=False)
+    emitter.modifiers.new("Particles", "PARTICLE_SYSTEM")
+    emitter.particle_systems[0].settings.type = "HAIR"
+    builder, warnings = export()
+    assert builder.placements == []
+    assert len(warnings) == 1
 
 
 def test_an_instancer_that_shows_only_its_instances_is_left_out():

@@ -216,18 +216,19 @@ def test_a_tree_that_doubles_itself_ends(tree):
 
 
 def group_of_glass():
-    """A group with a colour and a roughness; inside a group of its own, in which the glass is."""
+    """A group with a colour and a roughness; inside a group of its own, with inputs in another order, is the glass."""
     inner, outer = (bpy.data.node_groups.new(name, "ShaderNodeTree") for name in ("Inner", "Outer"))
-    for group in (inner, outer):
-        group.interface.new_socket("Tint", in_out="INPUT", socket_type="NodeSocketColor")
-        group.interface.new_socket("Rough", in_out="INPUT", socket_type="NodeSocketFloat")
+    kinds = {"Color": "NodeSocketColor", "Roughness": "NodeSocketFloat"}
+    for group, names in ((inner, ("Roughness", "Color")), (outer, ("Color", "Roughness"))):
+        for name in names:
+            group.interface.new_socket(name, in_out="INPUT", socket_type=kinds[name])
         group.interface.new_socket("Shader", in_out="OUTPUT", socket_type="NodeSocketShader")
     for group, kind in ((inner, "ShaderNodeBsdfGlass"), (outer, "ShaderNodeGroup")):
         start, middle, end = (group.nodes.new(name) for name in ("NodeGroupInput", kind, "NodeGroupOutput"))
         if group is outer:
             middle.node_tree = inner
-        for i in range(2):
-            group.links.new(start.outputs[i], middle.inputs[i])
+        for name in kinds:
+            group.links.new(start.outputs[name], middle.inputs[name])
         group.links.new(middle.outputs[0], end.inputs[0])
     return outer
 

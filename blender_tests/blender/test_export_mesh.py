@@ -209,6 +209,22 @@ def test_a_point_cloud_becomes_spheres():
     assert shape.radii == pytest.approx(0.001 * (np.arange(len(centres)) + 1))
 
 
+def test_a_sphere_made_by_nodes_has_the_material_that_nodes_gave_it():
+    tree = bpy.data.node_groups.new("Point", "GeometryNodeTree")
+    tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+    names = ("GeometryNodePoints", "GeometryNodeSetMaterial", "NodeGroupOutput")
+    points, paint, end = (tree.nodes.new(name) for name in names)
+    points.inputs["Radius"].default_value = 2.5
+    paint.inputs["Material"].default_value = bpy.data.materials.new("Paint")
+    tree.links.new(points.outputs[0], paint.inputs[0])
+    tree.links.new(paint.outputs[0], end.inputs[0])
+    add("Made", square()).modifiers.new("Point", "NODES").node_group = tree
+    builder, _ = export()
+    found, shape = placement(builder, "Made")
+    assert shape.radii == pytest.approx([2.5])
+    assert [builder.materials[i].name for i in found.materials] == ["Paint"]
+
+
 class Marked(bpy.types.PropertyGroup):
     """Stands in for the add-on's own property."""
 
@@ -235,11 +251,15 @@ def test_an_object_marked_as_a_sphere_is_one_and_its_copies_too():
     ball = bpy.context.object
     ball.scale = (1, 1, 2)
     ball.lambent.shape = "SPHERE"
+    for name in ("Unused", "Used"):
+        ball.data.materials.append(bpy.data.materials.new(name))
+    ball.data.polygons.foreach_set("material_index", [1] * len(ball.data.polygons))
     add("Plain", ball.data)
     builder, warnings = export()
     found, shape = placement(builder, ball.name)
     assert shape.centres == pytest.approx(np.zeros((1, 3)), abs=1e-6)
     assert shape.radii == pytest.approx([1.5])
+    assert [builder.materials[i].name for i in found.materials] == ["Used"]
     assert np.diag(found.to_world) == pytest.approx([1, 1, 2, 1])
     assert len(placement(builder, "Plain")[1].triangles) > 500  # the mark is the object's, not the mesh's
     assert warnings == []
