@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What an artist sets: `scene.lambent` and `view_layer.lambent`.
+"""What an artist sets: `scene.lambent`, `view_layer.lambent` and `object.lambent`.
 
 What Blender has already is not asked for twice: transparent film, threads (`-t` on the command line), border, motion
 blur and passes live in Blender's own properties. Defaults are those of `engine_core.settings`.
@@ -17,6 +17,10 @@ FILTERS = (
     ("BOX", "Box", "Every sample counts for its own pixel, evenly", 0),
     ("GAUSSIAN", "Gaussian", "Soft", 1),
     ("BLACKMAN_HARRIS", "Blackman-Harris", "Sharp, without ringing", 2),
+)
+SHAPES = (
+    ("MESH", "Mesh", "As it was modelled", 0),
+    ("SPHERE", "Sphere", "The sphere, or ellipsoid, that fills the mesh's bounding box", 1),
 )
 MAX_BOUNCES = 1024
 
@@ -103,7 +107,16 @@ class LambentViewLayerSettings(bpy.types.PropertyGroup):
     )
 
 
-CLASSES = (LambentSceneSettings, LambentViewLayerSettings)
+class LambentObjectSettings(bpy.types.PropertyGroup):
+    shape: EnumProperty(
+        name="Render As",
+        items=SHAPES,
+        default="MESH",
+        description="Replace the mesh by a perfect shape of the same size: round at any distance, and less to compute",
+    )
+
+
+CLASSES = (LambentSceneSettings, LambentViewLayerSettings, LambentObjectSettings)
 
 
 def register():
@@ -111,10 +124,11 @@ def register():
         bpy.utils.register_class(cls)
     bpy.types.Scene.lambent = PointerProperty(type=LambentSceneSettings)
     bpy.types.ViewLayer.lambent = PointerProperty(type=LambentViewLayerSettings)
+    bpy.types.Object.lambent = PointerProperty(type=LambentObjectSettings)
 
 
 def unregister():
-    for owner in (bpy.types.Scene, bpy.types.ViewLayer):
+    for owner in (bpy.types.Scene, bpy.types.ViewLayer, bpy.types.Object):
         if hasattr(owner, "lambent"):
             del owner.lambent
     for cls in reversed(CLASSES):

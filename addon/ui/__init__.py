@@ -12,12 +12,26 @@ from . import (
     passes,
     performance,
     sampling,
+    shape,
+    simplify,
     surface,
     visibility,
 )
 
 # In the order in which they stand in the properties editor.
-TOPICS = (copy_from_cycles, sampling, light_paths, film, performance, passes, surface, light, visibility)
+TOPICS = (
+    copy_from_cycles,
+    sampling,
+    light_paths,
+    film,
+    simplify,
+    performance,
+    passes,
+    surface,
+    light,
+    shape,
+    visibility,
+)
 CLASSES = tuple(cls for topic in TOPICS for cls in topic.CLASSES)
 
 

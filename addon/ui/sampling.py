@@ -17,21 +17,11 @@ class SamplingPanel(LambentPanel, bpy.types.Panel):
         column.prop(ours, "integrator")
         column.prop(ours, "samples")
         column.prop(ours, "time_limit")
+        row = column.row(align=True)
+        row.prop(ours, "seed")
+        row.prop(ours, "use_animated_seed", text="", icon="TIME")
         if CopyFromCycles.poll(context):
             column.operator(CopyFromCycles.bl_idname)
 
 
-class SeedPanel(LambentPanel, bpy.types.Panel):
-    bl_idname = "LAMBENT_RENDER_PT_sampling_seed"
-    bl_label = "Noise Pattern"
-    bl_parent_id = "LAMBENT_RENDER_PT_sampling"
-    bl_options = {"DEFAULT_CLOSED"}
-
-    def draw(self, context):
-        ours = context.scene.lambent
-        row = self.column().row(align=True)
-        row.prop(ours, "seed")
-        row.prop(ours, "use_animated_seed", text="", icon="TIME")
-
-
-CLASSES = (SamplingPanel, SeedPanel)
+CLASSES = (SamplingPanel,)

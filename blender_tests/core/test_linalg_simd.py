@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from engine_core.jit import kernel
-from engine_core.linalg.records import Tables
+from engine_core.linalg.records import Tables, scratch_record
 from engine_core.linalg.simd import (
     bits,
     difference_of_products,
@@ -21,7 +21,6 @@ from engine_core.linalg.simd import (
     minimum,
     splat4,
     splat8,
-    stack_record,
     store1,
     store4,
     store8,
@@ -156,7 +155,7 @@ def test_keys_carry_their_number_and_sort_by_distance():
     assert r["one"][0] == r["keys"][3]
 
 
-scratch = stack_record(ROW)
+scratch = scratch_record(ROW)
 
 
 @kernel

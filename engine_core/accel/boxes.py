@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..jit import inlined_kernel
+from ..linalg.records import scratch_record
 from ..linalg.simd import (
     bits,
     f32x8,
@@ -27,7 +28,6 @@ from ..linalg.simd import (
     minimum,
     prefetch,
     splat8,
-    stack_record,
     store1,
     store_keys,
     without_lowest_bit,
@@ -43,7 +43,7 @@ STACK = np.dtype(
         ("children", "i8", (8,)),  # keys of the children of one node
     ]
 )
-stack_scratch = stack_record(STACK)
+stack_scratch = scratch_record(STACK)
 
 # Rounding may put the far side of a flat box in front of its near side. Seen as far as this, it never does (Ize 2013).
 FAR_SCALE = np.float32(1.0 + 4 * 2.0**-23)

@@ -151,8 +151,10 @@ def scratch_record(dtype):
     @intrinsic
     def scratch(typing_context):
         def lower(context, builder, sig, args):
-            row = cgutils.alloca_once(builder, ir.ArrayType(ir.IntType(8), record.size))
-            row.align = 16
+            # not cgutils.alloca_once, which would fill the row with zeros on each call
+            with builder.goto_entry_block():
+                row = builder.alloca(ir.ArrayType(ir.IntType(8), record.size))
+            row.align = 64
             return builder.bitcast(row, context.get_value_type(record))
 
         return record(), lower

@@ -16,7 +16,6 @@ For accel/ alone: everything else is scalar code, which a GPU could run. There i
 import operator
 
 from llvmlite import ir
-from numba import from_dtype
 from numba.core import cgutils, types
 from numba.core.imputils import lower_builtin
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
@@ -234,24 +233,6 @@ def prefetch(typing_context, row):
         return context.get_dummy_value()
 
     return types.void(row), lower
-
-
-def stack_record(dtype):
-    """A function that gives one row of `dtype` on the stack of the kernel that calls it, in whatever state it is."""
-    record = from_dtype(dtype)
-
-    @intrinsic
-    def scratch(typing_context):
-        def lower(context, builder, sig, args):
-            # not cgutils.alloca_once, which would fill the row with zeros on each call
-            with builder.goto_entry_block():
-                row = builder.alloca(ir.ArrayType(BYTE, record.size))
-            row.align = 64
-            return builder.bitcast(row, context.get_value_type(record))
-
-        return record(), lower
-
-    return scratch
 
 
 # ---- Keys: an integer and a distance in one number -------------------------------------------------------------------

@@ -379,7 +379,8 @@ def _slot_count(geometry):
 
 
 def _concatenate(parts, dtype):
-    return np.concatenate(parts) if parts else np.zeros(0, dtype)
+    rows = accel.aligned_rows(sum(len(part) for part in parts), dtype)
+    return np.concatenate(parts, out=rows) if parts else rows
 
 
 @builder_kernel

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..accel.nodes import aligned_rows
 from ..settings import Settings
 from ..tables import MAX_LOBES, Scene, TreeKind
 from .checks import SceneError
@@ -49,7 +50,8 @@ def load_scene(path):
                 raw = stored[table]
                 if raw.dtype != np.uint8 or raw.size % dtype.itemsize:
                     raise SceneError(f"{name}: table {table} is damaged")
-                tables[table] = np.frombuffer(raw.tobytes(), dtype).copy()
+                tables[table] = aligned_rows(raw.size // dtype.itemsize, dtype)
+                tables[table].view(np.uint8)[:] = raw
             settings = Settings(**header["settings"])
     except (OSError, EOFError, KeyError, ValueError, TypeError, zipfile.BadZipFile) as error:
         if isinstance(error, (SceneError, FileNotFoundError)):
