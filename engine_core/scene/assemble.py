@@ -8,6 +8,7 @@ tree to walk; what stands there several times keeps its object space, and a tree
 import numpy as np
 
 from ..accel import build as accel
+from ..accel.instances import instance_boxes
 from ..jit import builder_kernel
 from ..light.select import set_probabilities
 from ..shape.dispatch import bounds
@@ -124,14 +125,11 @@ class _Assembly:
                 shared.append((geometry, numbers))
         for step, (geometry, numbers) in enumerate(shared):
             self.progress(0.1 + 0.4 * step / len(shared), self.builder.geometries[geometry].name)
-            root, low, high = self._tree(_kind(self.builder.geometries[geometry]), [(geometry, None)])
-            self.instances["root"][numbers] = root
-            for number in numbers:
-                self.placements[number].bounds = low, high
+            self.instances["root"][numbers] = self._tree(_kind(self.builder.geometries[geometry]), [(geometry, None)])
         self.progress(0.5, "Tree of the world")
         for kind, field in ((TreeKind.TRIANGLES, "triangle_root"), (TreeKind.SHAPES, "shape_root")):
             if alone[kind]:
-                world[field], *_ = self._tree(kind, [(self.placements[n].geometry, n) for n in alone[kind]])
+                world[field] = self._tree(kind, [(self.placements[n].geometry, n) for n in alone[kind]])
         self._instance_tree(np.array([n for _, numbers in shared for n in numbers], np.int64), world)
 
     def _instance_row(self, number, placement):
@@ -158,9 +156,9 @@ class _Assembly:
         return self._slot_rows[key]
 
     def _tree(self, kind, parts):
-        """A tree over `parts`, (geometry, number of the placement that moves it into the world or None).
+        """Make a tree over `parts`: (geometry, number of the placement that moves it into the world, or None).
 
-        Returns its root and the corners of its box.
+        Returns its root.
         """
         rows = [self._rows(kind, geometry, number) for geometry, number in parts]
         rows = np.concatenate(rows) if len(rows) > 1 else rows[0]
@@ -176,8 +174,7 @@ class _Assembly:
             self._append("shapes", rows[order])
         root = self.counts["nodes"]
         self._append("nodes", nodes)
-        box = nodes[0]["bounds"]
-        return root, box[:3].min(axis=1), box[3:].max(axis=1)
+        return root
 
     def _append(self, table, rows):
         getattr(self, table).append(rows)
@@ -212,8 +209,15 @@ class _Assembly:
     def _instance_tree(self, numbers, world):
         if not len(numbers):
             return
-        boxes = np.array([self.placements[n].bounds for n in numbers], np.float64)
-        low, high = transformed_boxes(self.instances["to_world"][numbers].astype(np.float64), boxes[:, 0], boxes[:, 1])
+        low, high = np.empty((2, len(numbers), 3), np.float32)
+        shared = self.instances[numbers]
+        instance_boxes(
+            _concatenate(self.nodes, NODE),
+            np.ascontiguousarray(shared["root"]),
+            np.ascontiguousarray(shared["to_world"]),
+            low,
+            high,
+        )
         nodes, order = accel.build_boxes(low, high)
         # Leaves speak of rows of INSTANCE: put the shared ones first, in the order of the leaves.
         ordered = numbers[order]
@@ -347,15 +351,6 @@ def inverse(matrix):
     return np.concatenate([linear, -linear @ matrix[:, 3:]], axis=1)
 
 
-def transformed_boxes(matrices, low, high):
-    """Boxes (n, 3) around boxes `low`, `high` (n, 3) after affine transforms (n, 3, 4), as float32 (Arvo 1990)."""
-    centre, half = (low + high) / 2, (high - low) / 2
-    linear = matrices[:, :, :3]
-    centre = np.einsum("nij,nj->ni", linear, centre) + matrices[:, :, 3]
-    half = np.einsum("nij,nj->ni", np.abs(linear), half) * (1 + 1e-6) + 1e-6 * np.abs(centre)
-    return (centre - half).astype(np.float32), (centre + half).astype(np.float32)
-
-
 def _keeps_spheres_round(matrix):
     gram = matrix[:, :3].T @ matrix[:, :3]
     return np.allclose(gram, np.eye(3) * gram[0, 0], atol=1e-5 * gram[0, 0])
@@ -441,4 +436,4 @@ def fill_triangles(rows, positions, triangles, normals, uvs, slots, matrix, inve
         row.light = -1
 
 
-__all__ = ["CAMERA", "assemble", "transformed_boxes"]
+__all__ = ["CAMERA", "assemble"]

@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Tight boxes around instances.
+
+The box of a turned box is up to twice as large as what is in it, and each needless box is a walk into an instance's
+tree: among 10,000 turned monkeys that touch each other, rays enter 1.4 instead of 2.6 instances. So the tree of the
+mesh is asked how far it reaches along each axis of the world; that takes a few dozen of its nodes, whatever its size.
+"""
+
+import numpy as np
+
+from ..jit import kernel
+from .binary import MAX_DEPTH
+
+STACK = MAX_DEPTH * 8
+INFINITY = np.float32(np.inf)
+# Leaves' boxes and transforms are rounded; the boxes here are widened by some units in the last place.
+MARGIN = np.float32(4e-6)
+
+
+@kernel
+def instance_boxes(nodes, roots, to_world, lo, hi):
+    """Fill boxes lo, hi, float32 (n, 3), around the trees at `roots` (n,) moved by `to_world`, float32 (n, 3, 4)."""
+    stack, reach = np.empty(STACK, np.int32), np.empty(STACK, np.float32)
+    for i in range(roots.shape[0]):
+        for axis in range(3):
+            a, b, c = to_world[i, axis, 0], to_world[i, axis, 1], to_world[i, axis, 2]
+            t = to_world[i, axis, 3]
+            up = furthest(nodes, roots[i], a, b, c, stack, reach)
+            down = furthest(nodes, roots[i], -a, -b, -c, stack, reach)
+            margin = MARGIN * max(max(abs(up), abs(down)), abs(t))
+            lo[i, axis], hi[i, axis] = t - down - margin, t + up + margin
+
+
+@kernel
+def furthest(nodes, root, a, b, c, stack, reach):
+    """How far the leaves' boxes of a tree reach along the direction (a, b, c): the largest a x + b y + c z in them."""
+    best = -INFINITY
+    stack[0], reach[0] = root, INFINITY
+    top = 1
+    while top > 0:
+        top -= 1
+        if reach[top] <= best:
+            continue
+        node = nodes[stack[top]]
+        bottom = top
+        for k in range(8):
+            bounds = node.bounds
+            if bounds[0, k] > bounds[3, k]:
+                continue  # no child here
+            extent = (
+                max(a * bounds[0, k], a * bounds[3, k])
+                + max(b * bounds[1, k], b * bounds[4, k])
+                + max(c * bounds[2, k], c * bounds[5, k])
+            )
+            if extent <= best:
+                continue
+            if node.child[k] < 0:
+                best = extent
+                continue
+            stack[top], reach[top] = node.child[k], extent
+            if extent > reach[bottom]:  # the most promising one is looked at first: swap it down, then up
+                stack[bottom], stack[top] = stack[top], stack[bottom]
+                reach[bottom], reach[top] = reach[top], reach[bottom]
+            top += 1
+        if top > bottom:
+            last = top - 1
+            stack[bottom], stack[last] = stack[last], stack[bottom]
+            reach[bottom], reach[last] = reach[last], reach[bottom]
+    return best
