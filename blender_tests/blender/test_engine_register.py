@@ -103,7 +103,7 @@ def test_blender_still_has_the_panels_that_we_count_on():
     "panel",
     [
         "RENDER_PT_format", "RENDER_PT_output", "RENDER_PT_color_management", "RENDER_PT_post_processing",
-        "RENDER_PT_simplify", "DATA_PT_lens", "DATA_PT_camera_dof", "DATA_PT_EEVEE_light", "DATA_PT_spot",
+        "RENDER_PT_stamp", "DATA_PT_lens", "DATA_PT_camera_dof", "DATA_PT_EEVEE_light", "DATA_PT_spot",
         "EEVEE_MATERIAL_PT_context_material", "WORLD_PT_context_world", "OBJECT_PT_visibility", "VIEWLAYER_PT_layer",
     ],
 )  # fmt: skip
