@@ -90,7 +90,7 @@ def _source(context, b_object, geometries):
     if geometry is None:
         return Source(None, (), b_object.name, Visibility.ALL, 0)
     materials = export_materials(context, b_object)
-    if materials and (type(b_object.data).__name__ != "Mesh" or _is_sphere(b_object)):
+    if type(b_object.data).__name__ != "Mesh" or _is_sphere(b_object):
         materials = (materials[min(first_slot(b_object.data), len(materials) - 1)],)
     for flag, text in (
         (b_object.is_shadow_catcher, "shadow catchers are not rendered yet; it is an ordinary object"),

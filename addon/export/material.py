@@ -5,22 +5,25 @@ from . import nodes
 
 
 def export_materials(context, b_object):
-    """Numbers of the materials of all slots, None for an empty slot (the builder then takes its default, Cycles' grey).
+    """Numbers of the materials of all slots, at least one.
 
     Slots may be linked to the object or to its data, and geometry nodes may add some: the evaluated object knows.
     """
     override = context.view_layer.material_override
-    if override:
-        return (export_material(context, override),)
-    return tuple(export_material(context, slot.material) for slot in b_object.material_slots)
+    slots = [override] if override else [slot.material for slot in b_object.material_slots]
+    return tuple(export_material(context, b_material) for b_material in slots or [None])
 
 
 def export_material(context, b_material):
-    """Number of a material in the builder."""
-    if b_material is None:
-        return None
-    key = b_material.as_pointer()
+    """Number of a material in the builder. None, as in an empty slot, has one, too."""
+    key = b_material.as_pointer() if b_material else None
     if key not in context.materials:
-        surface = nodes.material_surface(context, b_material)
-        context.materials[key] = context.builder.material(b_material.name, surface, b_material.pass_index)
+        context.materials[key] = _add_material(context, b_material)
     return context.materials[key]
+
+
+def _add_material(context, b_material):
+    if b_material is None:
+        return context.builder.material("(none)", nodes.default_surface())
+    surface = nodes.material_surface(context, b_material)
+    return context.builder.material(b_material.name, surface, b_material.pass_index)

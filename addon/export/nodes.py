@@ -5,12 +5,18 @@ A closure takes the values of its sockets. What a socket is linked to becomes on
 the true one if the nodes behind it are constant, else the stand-in of `stand_in.py`, and a warning that says so.
 """
 
+import bpy
 import numpy as np
 
 from ..core import materials as m
 from .graph import Graph, by_identifier, has_nodes, label, source
 
 MOST_CLOSURES = 1000  # a tree may use a shader many times over, and so grow exponentially
+
+
+def default_surface():
+    """What Cycles gives to faces without a material."""
+    return m.Principled() if bpy.app.version >= (5, 0) else m.Diffuse()
 
 
 def material_surface(context, b_material):

@@ -196,10 +196,7 @@ def test_random_numbers_are_different_and_stay():
 
 
 def names_of_materials(builder, name):
-    return [
-        builder.materials[builder.default_material if m is None else m].name
-        for m in placement(builder, name)[0].materials
-    ]
+    return [builder.materials[m].name for m in placement(builder, name)[0].materials]
 
 
 def test_a_slot_may_belong_to_the_object_or_to_the_mesh():
@@ -224,7 +221,7 @@ def test_an_empty_slot_and_no_slot_are_the_default_grey():
     builder, warnings = export()
     assert warnings == []
     assert names_of_materials(builder, "Empty slot") == ["(none)", "Real"]
-    assert names_of_materials(builder, "No slot") == []
+    assert names_of_materials(builder, "No slot") == ["(none)"]
 
 
 def test_the_view_layer_may_override_all_materials(scene):
