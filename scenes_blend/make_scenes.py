@@ -23,7 +23,6 @@ from mathutils import Vector
 FOLDER = Path(__file__).resolve().parent
 sys.path.insert(0, str(FOLDER.parent))
 GOLDEN_ANGLE = math.pi * (3.0 - math.sqrt(5.0))
-SPHERE = 1  # of the property `Object.lambent.shape`
 
 
 # ---- The scenes ------------------------------------------------------------------------------------------------------
@@ -73,7 +72,7 @@ def three_spheres(scene):
     add_made("Ground", point, (0, 0, -100), 100.0, ground)
     add_made("Matte sphere", point, (0, 0, 0.5), 0.5, matte)
     add_made("Metal sphere", point, (1.05, 0, 0.5), 0.5, metal)
-    add_made("Glass sphere", ball, (-1.05, 0, 0.5), 0.5, glass)["lambent"] = {"shape": SPHERE}
+    add_made("Glass sphere", ball, (-1.05, 0, 0.5), 0.5, glass).lambent.shape = "SPHERE"
     world(scene, (0.5, 0.7, 1.0))
     camera(scene, (0, -6.0, 1.3), (0, 0, 0.42), field_of_view=34, size=(800, 450))
 

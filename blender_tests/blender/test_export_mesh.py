@@ -5,6 +5,7 @@ import bpy
 import numpy as np
 import pytest
 
+import addon
 from blender_tests.helpers.exported import add, empty_scene, export, mesh, placement, square, world_triangles
 
 RIDGE = [(-1, 0, 0), (0, 0, 1), (1, 0, 0), (-1, 2, 0), (0, 2, 1), (1, 2, 0)], [(0, 1, 4, 3), (1, 2, 5, 4)]
@@ -225,26 +226,14 @@ def test_a_sphere_made_by_nodes_has_the_material_that_nodes_gave_it():
     assert [builder.materials[i].name for i in found.materials] == ["Paint"]
 
 
-class Marked(bpy.types.PropertyGroup):
-    """Stands in for the add-on's own property."""
-
-    shape: bpy.props.StringProperty(default="MESH")
-
-
 @pytest.fixture
-def marked():
-    """Objects have `lambent.shape`."""
-    if hasattr(bpy.types.Object, "lambent"):
-        yield
-        return
-    bpy.utils.register_class(Marked)
-    bpy.types.Object.lambent = bpy.props.PointerProperty(type=Marked)
+def registered():
+    addon.register()
     yield
-    del bpy.types.Object.lambent
-    bpy.utils.unregister_class(Marked)
+    addon.unregister()
 
 
-@pytest.mark.usefixtures("marked")
+@pytest.mark.usefixtures("registered")
 def test_an_object_marked_as_a_sphere_is_one_and_its_copies_too():
     empty_scene()
     bpy.ops.mesh.primitive_uv_sphere_add(radius=1.5, location=(0, 0, 1))
