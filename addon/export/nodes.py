@@ -11,7 +11,7 @@ import numpy as np
 from ..core import materials as m
 from .graph import Graph, by_identifier, has_nodes, label, source
 
-MOST_CLOSURES = 1000  # a tree may use a shader many times over, and so grow exponentially
+DEEPEST, MOST_CLOSURES = 100, 1000  # a tree may use a shader many times over, and so grow exponentially
 
 
 def default_surface():
@@ -74,7 +74,8 @@ class Translation:
     """Turns one tree into a closure. Methods are called by the type of the node that they translate."""
 
     def __init__(self, context, owner):
-        self.context, self.owner, self.count = context, owner, 0
+        self.context, self.owner = context, owner
+        self.depth = self.count = 0
 
     def warn(self, node, text):
         self.context.warn(self.owner, f"{label(node)}: {text}")
@@ -85,14 +86,17 @@ class Translation:
         if node is None:
             return m.Black()
         self.count += 1
-        if self.count > MOST_CLOSURES:
-            self.warn(node, f"the tree holds more than {MOST_CLOSURES} shaders; the rest is black")
+        if self.count > MOST_CLOSURES or self.depth >= DEEPEST:
+            self.warn(node, f"more than {MOST_CLOSURES} shaders, or {DEEPEST} in a row; the rest is black")
             return m.Black()
         if output.type != "SHADER":  # Blender takes a bare colour for light
             return m.Emission(self._value(node, socket, groups, "RGBA"), 1.0)
         translate = getattr(self, f"_{node.type.lower()}", None)
         if translate:
-            return translate(Inputs(self, node, groups))
+            self.depth += 1
+            closure = translate(Inputs(self, node, groups))
+            self.depth -= 1
+            return closure
         self.warn(node, f"{node.bl_label} is not rendered yet; black instead")
         return m.Black()
 
@@ -269,8 +273,10 @@ class Inputs:
         """Warn of inputs that are set to another value than the one that is rendered. Not every Blender has each."""
         for name, value in neutral.items():
             socket = by_identifier(self.node.inputs, name)
-            stand_ins = self.translation.context.stand_ins
-            if socket and stand_ins.evaluate(socket, self.groups, "VALUE").value != value:
+            if socket is None:
+                continue
+            found, culprit = self.translation.context.stand_ins.evaluate(socket, self.groups, "VALUE")
+            if culprit or found != value:
                 self.translation.warn(self.node, f"{socket.name} is not rendered yet; taken as {_text(value)}")
 
 

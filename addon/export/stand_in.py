@@ -15,6 +15,7 @@ import numpy as np
 from .graph import by_identifier, source
 
 REC709 = (0.2126, 0.7152, 0.0722)
+DEEPEST, MOST_NODES = 100, 1000  # a tree may use a node many times over, and so grow exponentially
 LARGEST_IMAGE = 1 << 27  # values; larger ones are not worth their loading time for one colour
 SAMPLES = 256  # rows and columns of an image that are looked at
 # Averages over all directions, as Cycles renders these skies with Blender's default settings, without the sun's disk
@@ -48,14 +49,22 @@ class StandIns:
 
     def __init__(self):
         self._averages = {}  # an image's address in Blender, is panorama: average
+        self._depth = self._count = 0  # of nodes on the way to the socket that was asked for
 
     def evaluate(self, socket, groups, kind):
         """Value of an input socket as `kind`: "VALUE" a number, "RGBA" three."""
         node, output, inner = source(socket, groups)
         if node is None:
             return Value(_convert(_own_value(output), kind))
+        self._count = self._count + 1 if self._depth else 1
         function = getattr(self, f"_{node.type.lower()}", None)
-        result = function(node, output, inner) if function else None
+        result = None
+        if function and self._depth < DEEPEST and self._count < MOST_NODES:
+            self._depth += 1
+            try:
+                result = function(node, output, inner)
+            finally:
+                self._depth -= 1
         if result is None:
             return Value(_convert(_own_value(socket), kind), node)
         return Value(_convert(result.value, kind), result.culprit)

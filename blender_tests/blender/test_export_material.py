@@ -200,9 +200,10 @@ def test_a_material_without_nodes_is_diffuse():
     assert warnings == []
 
 
-def test_a_tree_that_doubles_itself_ends(tree):
+@pytest.mark.parametrize("length", [40, 600])
+def test_shaders_that_double_again_and_again_come_to_an_end(tree, length):
     last = node(tree, "BsdfDiffuse")
-    for _ in range(40):
+    for _ in range(length):
         mix = node(tree, "MixShader")
         link(tree, last, mix, "Shader")
         link(tree, last, mix, "Shader_001")
@@ -210,6 +211,21 @@ def test_a_tree_that_doubles_itself_ends(tree):
     link(tree, last, output_node(tree))
     _, warnings = translated()
     assert any("more than 1000 shaders" in w for w in warnings)
+
+
+@pytest.mark.parametrize("length", [40, 600])
+def test_values_that_double_again_and_again_come_to_an_end(tree, length):
+    last = tree.nodes.new("ShaderNodeTexNoise")
+    for _ in range(length):
+        add = tree.nodes.new("ShaderNodeMath")
+        for i in range(2):
+            tree.links.new(last.outputs[0], add.inputs[i])
+        last = add
+    glass = node(tree, "BsdfGlass")
+    link(tree, last, glass, "Roughness")
+    link(tree, glass, output_node(tree))
+    _, warnings = translated()
+    assert any("Roughness is linked to" in w for w in warnings)
 
 
 # ---- Groups, reroutes, mute ------------------------------------------------------------------------------------------
@@ -419,6 +435,13 @@ def test_bump_maps_are_named(tree, kind, identifier):
 def test_values_that_are_not_rendered_are_named(tree, kind, identifier, value):
     _, warning = with_warning(tree, node(tree, kind, **{identifier: value}))
     assert f"{identifier.replace('_', ' ')} is not rendered yet; taken as 0" in warning
+
+
+def test_values_that_are_not_rendered_are_named_when_linked(tree):
+    principled = node(tree, "BsdfPrincipled")
+    link(tree, tree.nodes.new("ShaderNodeVertexColor"), principled, "Sheen Weight")
+    _, warning = with_warning(tree, principled)
+    assert "Sheen Weight is not rendered yet" in warning
 
 
 def test_another_distribution_is_named(tree):
