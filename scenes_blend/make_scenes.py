@@ -81,7 +81,7 @@ def instances(scene):
     """Suzannes on the spiral of a sunflower (H. Vogel 1979): one mesh, materials by object."""
     looks = {
         "Ivory": {"Base_Color": (0.8, 0.72, 0.55), "Roughness": 0.45},
-        "Coral": {"Base_Color": (0.75, 0.16, 0.08), "Roughness": 0.3, "Coat_Weight": 0.6},
+        "Coral": {"Base_Color": (0.75, 0.16, 0.08), "Roughness": 0.3, "Coat_Weight": 0.6, "Coat_Roughness": 0.2},
         "Petrol": {"Base_Color": (0.02, 0.2, 0.25), "Roughness": 0.35},
         "Gold": {"Base_Color": (0.9, 0.6, 0.2), "Metallic": 1.0, "Roughness": 0.25},
         "Steel": {"Base_Color": (0.55, 0.57, 0.6), "Metallic": 1.0, "Roughness": 0.4},
