@@ -18,6 +18,7 @@ from .session import Phase, Session, settings_from
 POLL_S = 0.04  # how long Esc may go unnoticed
 REFRESH_S = 0.1  # between two looks at new tiles ...
 REFRESH_SHARE = 0.25  # ... which may take this share of the thread's time
+GIVE_UP_S = 0.05  # for showing the last tiles of a cancelled render
 STATUS_S = 0.2  # between two lines of status ...
 STATUS_BACKGROUND_S = 2.0  # ... each of which is a line in the log without a window
 
@@ -39,7 +40,9 @@ def render_view_layer(engine, depsgraph):
         tell_warnings(engine, report.warnings)
         if number == len(views) - 1:
             engine.free_blender_memory()  # the depsgraph is gone from here on
-        if session is None or not _run(engine, session, Result(engine, layer, view, crop)):
+        result = Result(engine, layer, view, crop)
+        if session is None or not _run(engine, session, result):
+            result.ensure()
             return
 
 
@@ -73,7 +76,9 @@ def _run(engine, session, result):
     session.wait(POLL_S if cancelled else None)
     screen.add(session.finished_tiles(0.0))  # a small picture is finished before the first look
     tell_warnings(engine, session.warnings)
-    if session.render is not None:
+    if cancelled:
+        screen.give_up(session.render)
+    else:
         result.write(session.render)
         result.stamp(samples=session.render.samples_done, render_time=f"{session.render.elapsed_s:.3f} s")
     status.tell(session, now=True)
@@ -96,13 +101,20 @@ class Screen:
 
     def refresh(self, render):
         began = time.perf_counter()
-        if not self._tiles or began < self._due:
-            return
-        for tile in self._tiles:
+        if self._tiles and began >= self._due:
+            self._show(render)
+            ended = time.perf_counter()
+            self._due = ended + max(REFRESH_S, (ended - began) * (1.0 - REFRESH_SHARE) / REFRESH_SHARE)
+
+    def give_up(self, render):
+        """Show what there is, without holding up who wants to stop."""
+        if render is not None:
+            self._show(render, deadline=time.perf_counter() + GIVE_UP_S)
+
+    def _show(self, render, deadline=float("inf")):
+        while self._tiles and time.perf_counter() < deadline:
+            tile, _ = self._tiles.popitem()
             self._result.write(render, tile)
-        self._tiles.clear()
-        ended = time.perf_counter()
-        self._due = ended + max(REFRESH_S, (ended - began) * (1.0 - REFRESH_SHARE) / REFRESH_SHARE)
 
 
 class Status:

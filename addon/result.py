@@ -86,9 +86,11 @@ class Result:
 
     def __init__(self, engine, layer, view, crop):
         self._engine, self._layer, self._view, self._crop = engine, layer, view, crop
+        self._is_begun = False
 
     def write(self, render, tile=None):
         """Copy a tile (x, y, width, height) of the film, or all of it, into Blender's picture."""
+        self._is_begun = True
         x, y, width, height = tile or (0, 0, self._crop.width, self._crop.height)
         result = self._engine.begin_result(x, y, width, height, layer=self._layer, view=self._view)
         if (result.resolution_x, result.resolution_y) != (width, height):
@@ -101,6 +103,11 @@ class Result:
                 pixels = render.image(b_pass.name, tile)
                 b_pass.rect.foreach_set(np.ascontiguousarray(pixels, np.float32).ravel())
         self._engine.end_result(result)
+
+    def ensure(self):
+        """Let there be a picture, if an empty one: Blender crashes when it saves one that no engine has begun."""
+        if not self._is_begun:
+            self._engine.end_result(self._engine.begin_result(0, 0, 1, 1, layer=self._layer, view=self._view))
 
     def stamp(self, **fields):
         """Put text beside the pixels: it lands in the header of the saved file."""
