@@ -119,7 +119,7 @@ def test_transparent_background_leaves_alpha():
     assert image[..., :3].mean() == pytest.approx(0.5 + 0.25, abs=0.01)
 
 
-@pytest.mark.parametrize("kind", ["mesh", "sphere", "area", "point", "sun"])
+@pytest.mark.parametrize("kind", ["mesh", "sphere", "area", "point", "ball", "sun"])
 def test_light_sampling_and_luck_agree(kind):
     """The path integrator and brute force see the same room, whatever lights it."""
     b = builder(eye=(0, -0.9, 0.3), target=(0, 0, -0.3), field_of_view=70)
@@ -135,8 +135,8 @@ def test_light_sampling_and_luck_agree(kind):
         sphere(b, Emission((1, 0.9, 0.8), 4.0), (0, 0, 0.6), 0.3)
     elif kind == "area":
         b.area_light("Lamp", lamp, (10, 9, 8), 0.8, 0.6)
-    elif kind == "point":
-        b.point_light("Lamp", (0, 0, 0.6), (10, 9, 8), radius=0.3)
+    elif kind in ("point", "ball"):
+        b.point_light("Lamp", (0, 0, 0.6), (10, 9, 8), radius=0.3, soft=kind == "point")
     else:
         b = builder(eye=(0, -4, 2), target=(0, 0, 0), field_of_view=40)
         sphere(b, Diffuse((0.7, 0.6, 0.5)))

@@ -43,15 +43,15 @@ def emitted(scene, light, p, wi, t):
     if kind == LightKind.QUAD:
         return quad.emitted(light, wi)
     if kind == LightKind.POINT:
-        return point.emitted(light, p)
+        return point.emitted(light, p, wi, t)
     if kind == LightKind.SPOT:
-        return spot.emitted(light, p, wi)
+        return spot.emitted(light, p, wi, t)
     if kind == LightKind.SUN:
         return sun.emitted(light, wi)
     if kind == LightKind.DISK:
         return disk.emitted(light, wi)
     if kind == LightKind.SPHERE:
-        return sphere.emitted(light, p)
+        return sphere.emitted(light, p, wi, t)
     return background.emitted(light)
 
 

@@ -37,8 +37,8 @@ def sample(light, p, u0, u1):
 
 
 @kernel
-def emitted(light, p):
-    return load3(light, "emission") if light.soft != 0 else sphere.emitted(light, p)
+def emitted(light, p, wi, t):
+    return load3(light, "emission") if light.soft != 0 else sphere.emitted(light, p, wi, t)
 
 
 @kernel

@@ -49,8 +49,13 @@ def sample(light, p, u0, u1):
 
 
 @kernel
-def emitted(light, p):
+def emitted(light, p, wi, t):
+    """A ray passes through a lamp, and so meets it twice: from outside it counts where the ray enters."""
     to_centre = load3(light, "p") - p
+    r2 = light.radius * light.radius
+    is_outside = dot(to_centre, to_centre) - r2 > ON_SURFACE * r2
+    if light.kind != LightKind.SPHERE and is_outside and t > dot(to_centre, wi):
+        return BLACK
     if emits_inwards(light) or not is_inside(dot(to_centre, to_centre), light.radius * light.radius):
         return load3(light, "emission")
     return BLACK

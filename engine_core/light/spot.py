@@ -18,8 +18,8 @@ def sample(light, p, u0, u1):
 
 
 @kernel
-def emitted(light, p, wi):
-    return point.emitted(light, p) * attenuation(light, -wi)
+def emitted(light, p, wi, t):
+    return point.emitted(light, p, wi, t) * attenuation(light, -wi)
 
 
 @kernel
