@@ -6,7 +6,6 @@ import argparse
 import json
 import os
 import re
-import shlex
 import shutil
 import subprocess
 import sys
@@ -67,7 +66,7 @@ def command_render(arguments, _):
     driver = str(ROOT / "tools" / "render_driver.py")
     variables = dict(os.environ)
     if arguments.blender:
-        blender = blender_command(arguments.blender)
+        blender = extension.split_command(arguments.blender)
         if job["engine"] == "LAMBENT":
             variables.update(extension.install_into(blender))
         command = [*blender, "-b", "--python", driver, "--", json.dumps(job)]
@@ -107,11 +106,6 @@ def render_job(arguments):
         "time_limit": arguments.time_limit,
         "integrator": arguments.integrator,
     }
-
-
-def blender_command(text):
-    """A path, with spaces or not, or a command with arguments."""
-    return [text] if shutil.which(text) else shlex.split(text, posix=os.name != "nt")
 
 
 def run_render(command, variables, verbose):

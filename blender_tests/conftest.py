@@ -2,9 +2,8 @@
 """What all levels of the tests share."""
 
 import os
-import shlex
-import shutil
 import sys
+import traceback
 
 import pytest
 
@@ -17,7 +16,7 @@ def installed_blender():
     command = os.environ.get("LAMBENT_BLENDER")
     if not command:
         pytest.skip("needs an installed Blender: build.py test --blender COMMAND, or LAMBENT_BLENDER=COMMAND")
-    return [command] if shutil.which(command) else shlex.split(command)
+    return extension.split_command(command)
 
 
 @pytest.fixture(scope="session")
@@ -26,14 +25,24 @@ def lambent_in_blender(installed_blender):
     return installed_blender, {**os.environ, **extension.install_into(installed_blender)}
 
 
-def pytest_sessionfinish(session, exitstatus):
-    session.config.lambent_exit_status = int(exitstatus)
+@pytest.hookimpl(wrapper=True, tryfirst=True)
+def pytest_sessionfinish(session):
+    """Note how it ended, the summary included, for `pytest_unconfigure`."""
+    try:
+        result = yield
+    except BaseException:
+        traceback.print_exc()  # pytest would only do so after pytest_unconfigure
+        session.config.lambent_exit_status = pytest.ExitCode.INTERNAL_ERROR
+        raise
+    session.config.lambent_exit_status = session.exitstatus
+    return result
 
 
 @pytest.hookimpl(trylast=True)
 def pytest_unconfigure(config):
     """End at once where Blender is loaded: bpy 4.5 waits for a thread of its own for ever when it is unloaded."""
     if "bpy" in sys.modules and hasattr(config, "lambent_exit_status"):
+        config.pluginmanager.get_plugin("terminalreporter").flush()  # it has a stream of its own
         sys.stdout.flush()
         sys.stderr.flush()
-        os._exit(config.lambent_exit_status)
+        os._exit(int(config.lambent_exit_status))

@@ -8,6 +8,8 @@ import hashlib
 import os
 import platform
 import re
+import shlex
+import shutil
 import subprocess
 import sys
 import zipfile
@@ -132,6 +134,11 @@ def validate(package):
     result = subprocess.run([str(python), str(tool), "validate", str(package)], capture_output=True, text=True)
     if result.returncode != 0:
         raise UserError(f"Blender refuses {package}:\n{result.stdout}{result.stderr}")
+
+
+def split_command(text):
+    """What a user calls Blender with: a path, with spaces or not, or a command with arguments. Returns a list."""
+    return [text] if shutil.which(text) else shlex.split(text, posix=os.name != "nt")
 
 
 def python_of(blender):

@@ -68,6 +68,8 @@ def run_file(item):
     reports = {nodeid: [] for nodeid in chosen}
     for line in pipe.read_text().splitlines() if pipe.exists() else ():
         report = item.config.hook.pytest_report_from_serializable(config=item.config, data=json.loads(line))
+        if report.skipped:
+            report.longrepr = tuple(report.longrepr)  # file, line and reason; JSON knows no tuples
         reports[report.nodeid].append(report)
     for nodeid, found in reports.items():
         if not any(report.when == "teardown" for report in found):
