@@ -8,6 +8,7 @@ what can be compared is measured side by side in one run and given as a ratio.
 import argparse
 import importlib
 import json
+import os
 import sys
 import time
 import traceback
@@ -74,4 +75,7 @@ def flatten(figures, name):
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    code = main()
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(code)  # not sys.exit: where parts load Blender 4.5 as a module, it can hang when a process ends
