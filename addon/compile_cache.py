@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Kernels are compiled once for each version and machine: in the background, and visibly.
 
-numba keeps machine code in a folder named by the sources' digest. A mark in that folder says that a render with an
-integrator got as far as a tile, so that the next one need not compile.
+numba keeps machine code in a folder named by the sources' digest. A mark in that folder says that all of it is there,
+so that the next Blender loads it in a moment. `prepare` does either, for whoever comes first; the others wait.
 """
 
 import threading
@@ -14,78 +14,83 @@ from .preferences import preferences
 
 START_AFTER_S = 1.0  # let Blender draw its window first
 JOIN_S = 0.3  # how long Blender may be kept from closing
+POLL_S = 0.02  # how long somebody who waits may not notice that nobody wants the kernels any more
 
+_lock, _ready = threading.Lock(), threading.Event()
 _warm_up = None
 
 
-def _mark(integrator):
+def are_compiled():
+    """Whether they need not be compiled: this process has them, or finds them on disk."""
+    return _ready.is_set() or _mark().exists()
+
+
+def prepare(cancelled=None):
+    """Load the kernels, or compile them; that cannot be interrupted. False if `cancelled`, an event, was set before."""
+    while not _ready.is_set():
+        if cancelled is not None and cancelled.is_set():
+            return False
+        if _lock.acquire(timeout=POLL_S):
+            try:
+                if not _ready.is_set():
+                    _use_all_kernels()
+                    _ready.set()
+            finally:
+                _lock.release()
+    return True
+
+
+def _mark():
     from .core import jit
 
-    return jit.use_cache() / f"warm_{int(integrator)}"
+    return jit.use_cache() / "compiled"
 
 
-def is_warm(integrator):
-    """Whether a render with this IntegratorKind finds its kernels compiled."""
-    return _mark(integrator).exists()
+def _use_all_kernels():
+    """Render a tiny scene: a triangle, a ball and a lamp, twice, so that there is one of each kind of tree."""
+    from . import core
 
-
-def mark_warm(integrator):
-    """Remember it. A folder that cannot be written to holds no machine code either, so nothing is lost then."""
-    try:
-        mark = _mark(integrator)
-        mark.parent.mkdir(parents=True, exist_ok=True)
-        mark.touch()
-    except OSError:
-        pass
-
-
-class WarmUp:
-    """Renders a tiny scene on a thread, so that all kernels of the default integrator get compiled."""
-
-    def __init__(self):
-        self.began = time.perf_counter()
-        self.error = None
-        self.state = "Loading"
-        self.thread = threading.Thread(target=self._work, name="lambent warm-up", daemon=True)
-        self.thread.start()
-
-    def _work(self):
-        try:
-            from . import core
-
-            integrator = core.IntegratorKind.PATH
-            if not is_warm(integrator):
-                self.state = "Compiling"
-                settings = core.Settings(
-                    width=8, height=8, crop_width=8, crop_height=8, samples=1, integrator=int(integrator)
-                )
-                core.Render(tiny_scene(core), settings, threads=1).run()
-                mark_warm(integrator)
-            self.state = "Ready"
-        except Exception as error:  # a render would say it again, to somebody who looks
-            self.error = error
-            self.state = "Failed"
-
-    @property
-    def text(self):
-        if self.state == "Compiling":
-            return f"Compiling kernels, once for this version: {time.perf_counter() - self.began:.0f} s"
-        return {"Loading": "Loading kernels", "Ready": "Kernels are ready", "Failed": f"No kernels: {self.error}"}[
-            self.state
-        ]
-
-
-def tiny_scene(core):
-    """A triangle, a ball and a lamp: one of each kind of tree."""
     builder = core.SceneBuilder()
     grey = builder.material("Grey", core.materials.Diffuse((0.5, 0.5, 0.5)))
     triangle = builder.mesh("Triangle", [(-1, -1, 0), (1, -1, 0), (0, 1, 0)], [(0, 1, 2)])
     ball = builder.spheres("Ball", [(0, 0, 1)], [0.5])
-    for geometry in (triangle, ball):
+    for geometry in (triangle, triangle, ball):
         builder.instance(geometry, materials=[grey])
     builder.point_light("Lamp", (0, 0, 3), (100, 100, 100), radius=0.1)
     builder.camera([(1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 5), (0, 0, 0, 1)], (-1, 1, -1, 1))
-    return builder.build()
+    settings = core.Settings(width=8, height=8, crop_width=8, crop_height=8, samples=1)
+    # numba would compile once more for a member of an enumeration than for the integer that it is
+    settings = settings._replace(integrator=int(settings.integrator), filter_kind=int(settings.filter_kind))
+    core.Render(builder.build(), settings, threads=1).run()
+    try:
+        mark = _mark()
+        mark.parent.mkdir(parents=True, exist_ok=True)
+        mark.touch()
+    except OSError:  # a folder that cannot be written to holds no machine code either
+        pass
+
+
+class WarmUp:
+    """Prepares the kernels on a thread, before somebody needs them."""
+
+    def __init__(self):
+        self._began, self._state, self._error = time.perf_counter(), "Loading kernels", None
+        self.thread = threading.Thread(target=self._run, name="lambent warm-up", daemon=True)
+        self.thread.start()
+
+    def _run(self):
+        try:
+            if not are_compiled():
+                self._state = "Compiling kernels, once for this version"
+            prepare()
+            self._state = "Kernels are ready"
+        except Exception as error:  # a render would say it again, to somebody who looks
+            self._state = f"No kernels: {error}"
+
+    @property
+    def text(self):
+        seconds = f" ({time.perf_counter() - self._began:.0f} s)" if self.thread.is_alive() else ""
+        return self._state + seconds
 
 
 def status():
@@ -100,7 +105,7 @@ def is_busy():
 def _start():
     global _warm_up
     _warm_up = WarmUp()
-    bpy.app.timers.register(_redraw, first_interval=1.0)
+    bpy.app.timers.register(_redraw, first_interval=1.0, persistent=True)
 
 
 def _redraw():
@@ -114,7 +119,7 @@ def _redraw():
 
 def register():
     if not bpy.app.background and preferences().warm_up:
-        bpy.app.timers.register(_start, first_interval=START_AFTER_S)
+        bpy.app.timers.register(_start, first_interval=START_AFTER_S, persistent=True)
 
 
 def unregister():

@@ -28,7 +28,7 @@ materials = _import("scene.materials")
 FilterKind, IntegratorKind, Settings = (
     getattr(_import("settings"), name) for name in ("FilterKind", "IntegratorKind", "Settings")
 )
-Visibility = _import("tables").Visibility
+Scene, Visibility = (getattr(_import("tables"), name) for name in ("Scene", "Visibility"))
 SceneBuilder = _import("scene.builder").SceneBuilder
 SceneError = _import("scene.checks").SceneError
 Render = _import("integrator.tiles").Render

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The render engine as Blender sees it. What it does is in `final` and `viewport`."""
 
+import sys
+
 import bpy
 
 from . import messages, result
@@ -18,6 +20,7 @@ class LambentRenderEngine(bpy.types.RenderEngine):
     # Blender makes an engine for each 3D view and each render, and throws some away at once: nothing begins here.
     def __init__(self, *args, **kwargs):
         super().__init__(*args, **kwargs)
+        self.viewport = None
 
     def update_render_passes(self, scene=None, renderlayer=None):
         result.register_passes(self, scene, renderlayer)
@@ -33,10 +36,21 @@ class LambentRenderEngine(bpy.types.RenderEngine):
             messages.fail(self, error, expected)
 
     def view_update(self, context, depsgraph):
-        self.update_stats("Lambent", "no rendered viewport yet; F12 renders")
+        try:
+            from .viewport import Viewport
+
+            if self.viewport is None:
+                self.viewport = Viewport(self)
+            self.viewport.update(context, depsgraph)
+        except Exception as error:
+            messages.show(self, error)
 
     def view_draw(self, context, depsgraph):
-        """Nothing to draw yet; the text of `view_update` says so."""
+        try:
+            if self.viewport is not None:
+                self.viewport.draw(context, depsgraph)
+        except Exception as error:
+            messages.show(self, error)
 
 
 def register():
@@ -44,5 +58,7 @@ def register():
 
 
 def unregister():
+    if viewport := sys.modules.get(f"{__package__}.viewport"):  # once there was one
+        viewport.close_all()
     if LambentRenderEngine.is_registered:
         bpy.utils.unregister_class(LambentRenderEngine)

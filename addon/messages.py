@@ -30,6 +30,12 @@ def fail(engine, error, expected=()):
     engine.report({"ERROR"}, f"Lambent: {text}")
 
 
+def show(engine, error):
+    """Tell of an error in a 3D view, which has no reports: in the view, and on stderr."""
+    traceback.print_exception(error, file=sys.stderr)
+    engine.update_stats("Lambent", f"{type(error).__name__}: {error}")
+
+
 @persistent
 def _forget(*_):
     _told.clear()

@@ -35,6 +35,9 @@ class LambentSceneSettings(bpy.types.PropertyGroup):
     samples: IntProperty(
         name="Samples", default=128, min=1, max=1 << 24, description="Number of paths traced through each pixel"
     )
+    viewport_samples: IntProperty(
+        name="Viewport Samples", default=256, min=1, max=1 << 24, description="Where the rendered viewport stops"
+    )
     time_limit: FloatProperty(
         name="Time Limit",
         default=0.0,

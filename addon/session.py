@@ -14,9 +14,9 @@ from .core import FilterKind, IntegratorKind, Render, Settings
 
 
 class Phase(enum.Enum):
-    BUILDING = "Building the scene"
-    COMPILING = "Compiling kernels, once for this version"
     LOADING = "Loading kernels"
+    COMPILING = "Compiling kernels, once for this version"
+    BUILDING = "Building the scene"
     RENDERING = "Rendering"
     ENDED = "Finished"
 
@@ -61,7 +61,7 @@ class Session:
         self.render = None  # engine_core's Render, once the scene is built
         self.first_tile_s = None  # when the first tile was done; kernels are there from then on
         self._builder, self._threads, self._time_limit = builder, threads, time_limit
-        self._is_cold = not compile_cache.is_warm(settings.integrator)
+        self._phase = Phase.LOADING if compile_cache.are_compiled() else Phase.COMPILING
         self._cancelled, self._error = threading.Event(), None
         self._began = time.perf_counter()
         self._thread = threading.Thread(target=self._build, name="lambent build", daemon=True)
@@ -75,26 +75,27 @@ class Session:
             self.render.cancel()
 
     def wait(self, timeout_s=None):
-        """Wait for the end. Raises what a thread raised. With a timeout: give up after it."""
+        """Wait for the end, or until `timeout_s` has passed. Raises what a thread raised."""
+        deadline = time.perf_counter() + (float("inf") if timeout_s is None else timeout_s)
         self._thread.join(timeout_s)
+        while self.is_running and time.perf_counter() < deadline:
+            time.sleep(0.002)
         if self._error is not None:
             raise self._error
-        if self.render is None:
-            return
-        if timeout_s is None:
+        if self.render is not None and not self.render.is_running:
             self.render.wait()
-        deadline = time.perf_counter() + (timeout_s or 0.0)
-        while self.render.is_running and time.perf_counter() < deadline:
-            time.sleep(0.002)
 
     def _build(self):
         try:
+            if not compile_cache.prepare(self._cancelled):
+                return
+            self._phase = Phase.BUILDING
             scene = self._builder.build()
             self._builder = None  # the meshes as Blender had them: not needed any more
             if not self._cancelled.is_set():
                 render = Render(scene, self.settings, self._threads, self._time_limit)
                 render.start()
-                self.render = render
+                self.render, self._phase = render, Phase.RENDERING
                 if self._cancelled.is_set():  # between the two lines above
                     render.cancel()
         except BaseException as error:  # a thread has nobody to raise to: `wait` does it
@@ -108,8 +109,6 @@ class Session:
         tiles = self.render.finished_tiles(timeout_s)
         if tiles and self.first_tile_s is None:
             self.first_tile_s = self.elapsed_s
-            if self._is_cold:
-                compile_cache.mark_warm(self.settings.integrator)
         return tiles
 
     # ---- How far it is ----
@@ -120,13 +119,7 @@ class Session:
 
     @property
     def phase(self):
-        if not self.is_running:
-            return Phase.ENDED
-        if self.first_tile_s is not None:
-            return Phase.RENDERING
-        if self._is_cold:  # builders are compiled too
-            return Phase.COMPILING
-        return Phase.BUILDING if self.render is None else Phase.LOADING
+        return self._phase if self.is_running else Phase.ENDED
 
     @property
     def elapsed_s(self):
@@ -138,10 +131,8 @@ class Session:
 
     @property
     def remaining_s(self):
-        """Seconds to go at the speed since the first tile; None while that is anyone's guess."""
-        if self.first_tile_s is None or self.progress <= 0.0 or (spent := self.elapsed_s - self.first_tile_s) < 0.2:
-            return None
-        return spent * (1.0 - self.progress) / self.progress
+        """Seconds to go; None while that is anyone's guess."""
+        return None if self.render is None else self.render.remaining_s
 
     @property
     def memory_mib(self):

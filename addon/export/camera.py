@@ -35,7 +35,7 @@ def export_camera(context):
         kind="ORTHOGRAPHIC" if b_camera.type == "ORTHO" else "PERSPECTIVE",
         clip_start=b_camera.clip_start,
         clip_end=b_camera.clip_end,
-        **_lens(b_camera, to_world),
+        **lens(b_camera, to_world),
     )
 
 
@@ -83,7 +83,7 @@ def screen(b_camera, frame, shift_x):
     return (x - half * width, x + half * width, y - half * height, y + half * height)
 
 
-def _lens(b_camera, to_world):
+def lens(b_camera, to_world):
     """Depth of field: radius of the aperture in metres, its shape, and the distance in focus along the axis."""
     dof = b_camera.dof
     if not dof.use_dof:

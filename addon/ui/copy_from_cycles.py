@@ -8,6 +8,7 @@ from ..properties import FILTERS
 # scene.cycles: scene.lambent
 SAME_MEANING = {
     "samples": "samples",
+    "preview_samples": "viewport_samples",
     "time_limit": "time_limit",
     "seed": "seed",
     "use_animated_seed": "use_animated_seed",

@@ -16,6 +16,7 @@ class SamplingPanel(LambentPanel, bpy.types.Panel):
         column = self.column()
         column.prop(ours, "integrator")
         column.prop(ours, "samples")
+        column.prop(ours, "viewport_samples")
         column.prop(ours, "time_limit")
         row = column.row(align=True)
         row.prop(ours, "seed")

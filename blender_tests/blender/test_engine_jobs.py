@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A render as a job: animations, failures that leave no file, cancelling, and what is said meanwhile."""
 
+import threading
 import time
 
 import bpy
@@ -262,12 +263,47 @@ def test_a_cold_start_says_that_it_compiles(scene, tmp_path, monkeypatch):
             time.sleep(0.2)  # as compiling would take
             super()._build()
 
-    monkeypatch.setattr(session.compile_cache, "is_warm", lambda integrator: False)
+    monkeypatch.setattr(session.compile_cache, "are_compiled", lambda: False)
     monkeypatch.setattr(final, "Session", SlowSession)
     monkeypatch.setattr(final, "STATUS_BACKGROUND_S", 0.0)
     calls = said(monkeypatch, "update_stats")
     render(tmp_path / "picture.exr")
     assert any(line.startswith("Compiling kernels, once") for _, line in calls)
+
+
+def test_nobody_waits_for_kernels_that_are_not_wanted_any_more(registered):
+    """Only one thread compiles; the others wait for it, and may stop waiting."""
+    from addon import compile_cache
+
+    results, cancelled, event = [], threading.Event(), threading.Event()
+    ready = compile_cache._ready
+    compile_cache._ready = event
+    try:
+        with compile_cache._lock:  # as long as somebody compiles
+            waiting = threading.Thread(target=lambda: results.append(compile_cache.prepare(cancelled)))
+            waiting.start()
+            cancelled.set()
+            waiting.join(5.0)
+    finally:
+        compile_cache._ready = ready
+    assert results == [False]
+
+
+def test_preparing_compiles_all_that_a_render_needs(scene, tmp_path):
+    """No kernel is compiled a second time, for other types of arguments."""
+    from addon import compile_cache
+    from engine_core.integrator.render import render_tile
+
+    compile_cache.prepare()
+    render(tmp_path / "picture.exr")
+    assert len(render_tile.signatures) == 1
+
+
+def test_a_render_leaves_a_mark_that_kernels_are_compiled(scene, tmp_path):
+    from addon import compile_cache
+
+    render(tmp_path / "picture.exr")
+    assert compile_cache._mark().exists()
 
 
 def test_warnings_are_told_once_in_an_animation(scene, tmp_path, capfd):

@@ -67,14 +67,52 @@ def open_tab(area, tab, name=""):
 
 
 def rendered_viewport():
-    """Switching the viewport to Rendered, and back."""
-    colourful_scene(samples=4)
+    """The viewport shows what is rendered, follows the view and the scene, rests during F12, and ends when left."""
+    scene = colourful_scene(samples=16)
+    scene.lambent.viewport_samples = 8
     area = next(area for area in bpy.context.screen.areas if area.type == "VIEW_3D")
+    area.spaces.active.overlay.show_overlays = False
     area.spaces.active.region_3d.view_perspective = "CAMERA"
-    for shading in ("RENDERED", "MATERIAL", "RENDERED", "SOLID"):
-        area.spaces.active.shading.type = shading
-        yield from wait(1.5)
-        yield from look(f"viewport_{shading.lower()}.png")
+    bpy.context.preferences.view.render_display_type = "NONE"
+
+    shading = area.spaces.active.shading
+    shading.light, shading.color_type = "FLAT", "MATERIAL"  # of the solid view, to compare with
+    bpy.data.objects["Cube"].active_material.diffuse_color = (*CUBE, 1)
+
+    shading.type = "RENDERED"
+    yield from until(lambda: viewport_texts() == ["Sample 8/8"], 240)  # kernels may have to be compiled
+    for view in ("CAMERA", "PERSP", "ORTHO"):
+        area.spaces.active.region_3d.view_perspective = view
+        yield from look_at_viewport(f"{view}.png")
+        shading.type = "SOLID"
+        yield from look(f"{view}_solid.png")
+        shading.type = "RENDERED"
+    bpy.data.objects["Cube"].scale = (0.3, 0.3, 0.3)
+    yield from look_at_viewport("smaller.png")
+    bpy.data.objects["Cube"].hide_set(True)
+    yield from look_at_viewport("hidden.png")
+
+    bpy.data.objects["Cube"].hide_set(False)
+    scene.lambent.viewport_samples = 1_000_000
+    yield from until(lambda: viewport_texts()[0].endswith("/1000000"), 60)
+    yield from press("F12")
+    yield from until(lambda: "completed" in notes, 240)
+    yield from until(lambda: viewport_texts()[0].endswith("/1000000"), 60)
+    shading.type = "SOLID"
+    yield from until(lambda: viewport_texts() == [], 10)
+
+
+def look_at_viewport(name):
+    """When it has its last sample, of the scene as it is now."""
+    yield from wait(0.5)
+    yield from until(lambda: viewport_texts() == ["Sample 8/8"], 60)
+    yield from look(name)
+
+
+def viewport_texts():
+    """What the 3D views say that Lambent renders."""
+    module = next((module for name, module in sys.modules.items() if name.endswith("lambent.viewport")), None)
+    return [viewport.text for viewport in module._viewports] if module else []
 
 
 def failure():

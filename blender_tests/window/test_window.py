@@ -100,9 +100,19 @@ def test_panels_draw_without_faults(tell):
     assert "Traceback" not in notes["said"]
 
 
-def test_the_viewport_can_be_switched_to_rendered_and_back(tell):
-    _, notes = tell("rendered_viewport")
+def test_the_rendered_viewport_follows_what_the_artist_does(tell):
+    """It shows the cube where Blender draws it in the solid view, changes with the scene, and rests during F12."""
+    folder, notes = tell("rendered_viewport")
     assert "Traceback" not in notes["said"]
+    area = {}
+    for name in ("CAMERA", "PERSP", "ORTHO", "smaller", "hidden"):
+        assert visible(folder / f"{name}.png", WORLD).sum() > 100_000
+        area[name] = visible(folder / f"{name}.png", CUBE).sum()
+    for name in ("CAMERA", "PERSP", "ORTHO"):
+        rendered, drawn = (visible(folder / f"{name}{end}.png", CUBE) for end in ("", "_solid"))
+        assert (rendered & drawn).sum() > 0.97 * (rendered | drawn).sum()
+    assert area["smaller"] / area["ORTHO"] == pytest.approx(0.3**2, rel=0.1)
+    assert area["hidden"] == 0
 
 
 def test_blender_can_be_closed_while_it_compiles_in_the_background(tell, tmp_path):
