@@ -135,7 +135,7 @@ class Status:
 
 
 def status_text(session):
-    """For example: Sample 16/128 | Elapsed 00:03.2 | Remaining 00:21.6 | Error 4.2 %"""
+    """For example: Sample 16/128 | Elapsed 00:03.20 | Remaining 00:21.64"""
     parts = [session.phase.value]
     if session.first_tile_s is not None:
         parts = [f"Sample {session.render.samples_done}/{session.settings.samples}"]
