@@ -21,7 +21,7 @@ class LambentPreferences(bpy.types.AddonPreferences):
 def preferences():
     """The add-on's preferences; their defaults where it runs from the sources, which Blender has no entry for."""
     addon = bpy.context.preferences.addons.get(__package__)
-    return addon.preferences if addon else Defaults
+    return (addon and addon.preferences) or Defaults
 
 
 class Defaults:
