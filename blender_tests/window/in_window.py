@@ -41,7 +41,7 @@ def escape():
     yield from press("Escape")
     yield from until(lambda: "cancelled" in notes, 60)
     notes["escape_s"] = notes["cancelled"] - notes["pressed"]
-    notes["rendering"] = bpy.app.is_job_running("RENDER")
+    yield from until(lambda: not bpy.app.is_job_running("RENDER"), 10)  # the job ends after its handlers
     yield from look("cancelled.png")
 
 

@@ -82,7 +82,6 @@ def test_escape_ends_a_render_that_would_take_hours(tell, record_property):
     print(f"Esc took {1000 * notes['escape_s']:.0f} ms")
     record_property("escape_s", notes["escape_s"])
     assert notes["escape_s"] < 3.0  # a machine may be busy
-    assert notes["rendering"] is False
     for screenshot in ("rough.png", "cancelled.png"):
         assert_shows_the_picture(folder / screenshot)
 
