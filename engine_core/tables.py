@@ -41,6 +41,9 @@ class LobeKind(IntEnum):
     TRANSLUCENT = 6  # Lambert, out of the other side
 
 
+TRANSMITTING = (LobeKind.DIELECTRIC, LobeKind.REFRACTION, LobeKind.TRANSLUCENT)
+
+
 class FresnelKind(IntEnum):
     """How a conductor's reflectance depends on the angle."""
 
@@ -83,6 +86,7 @@ class MaterialFlag(IntFlag):
     EMISSIVE = 1  # emission is not black
     TRANSPARENT = 2  # has a TRANSPARENT lobe: shadow rays pass, dimmed
     ONE_SIDED = 4  # emits from the front of its faces only
+    TRANSMITS = 8  # a lobe scatters light through to the other side
 
 
 # ---- Geometry --------------------------------------------------------------------------------------------------------
@@ -205,8 +209,26 @@ LIGHT = np.dtype(
         ("visibility", "i4"),  # Visibility
         ("instance", "i4"),  # TRIANGLE, SPHERE: rows of what emits
         ("prim", "i4"),
-        ("pmf", "f4"),  # probability to be selected, proportional to power
-        ("cdf", "f4"),  # sum of pmf up to and including this one
+        ("leaf", "i4"),  # row of LIGHT_NODE * LIGHT_WIDTH + child; -1: outside of the tree, or never selected
+        ("share", "f4"),  # probability within its leaf: 1, or less if that holds a pair of rows; 0: never selected
+        ("irradiance", "f4"),  # outside of the tree: W/m2 across the light's direction, the mean of colours
+    ]
+)
+LIGHT_WIDTH = 8
+LIGHT_NODE = np.dtype(
+    [  # of the tree of lights: up to eight children, side by side, which are lights or nodes
+        ("centre", "f4", (3, LIGHT_WIDTH)),  # of a box around the lights below
+        ("half", "f4", (3, LIGHT_WIDTH)),  # half of its edges
+        ("radius", "f4", (LIGHT_WIDTH,)),  # half of its diagonal
+        ("axis", "f4", (3, LIGHT_WIDTH)),  # unit; the normals of the lights lie within an angle theta_o around it ...
+        ("cos_o", "f4", (LIGHT_WIDTH,)),  # ... of this cosine; -1: they point everywhere
+        ("sin_o", "f4", (LIGHT_WIDTH,)),
+        ("cos_oe", "f4", (LIGHT_WIDTH,)),  # of theta_o + theta_e; light leaves within theta_e of a normal
+        ("two_sided", "f4", (LIGHT_WIDTH,)),  # 1: as much leaves on the other side; else -1
+        ("intensity", "f4", (LIGHT_WIDTH,)),  # W/sr along the normals, the mean of colours, summed; 0: no child
+        ("closest", "f4", (LIGHT_WIDTH,)),  # 1 / the distance below which light becomes no stronger
+        ("child", "i4", (LIGHT_WIDTH,)),  # > 0: row of LIGHT_NODE; < 0: a leaf, ~row of its first LIGHT
+        ("parent", "i4"),  # row * LIGHT_WIDTH + child: where it hangs; -1: the root
     ]
 )
 
@@ -238,6 +260,9 @@ WORLD = np.dtype(
         ("suns", "i4"),  # row of LIGHT of the first sun; suns stand together
         ("sun_count", "i4"),
         ("light_count", "i4"),
+        ("far_count", "i4"),  # the first lights stand outside of the tree: suns, then beams (QUAD, DISK with spread 0)
+        ("light_root", "i4"),  # row of LIGHT_NODE
+        ("only_light", "i4"),  # row of LIGHT, the first of its leaf, if there is but one to select
         ("transparent_shadows", "i4"),  # 1: some material lets shadow rays pass
         ("centre", "f4", (3,)),  # of a ball around everything
         ("radius", "f4"),
@@ -257,6 +282,7 @@ class Scene(Tables):
     materials = MATERIAL
     lobes = LOBE
     lights = LIGHT
+    light_nodes = LIGHT_NODE
     camera = CAMERA
     world = WORLD
 

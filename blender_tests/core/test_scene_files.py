@@ -98,6 +98,15 @@ def rewrite(table, field, value):
         ("instances", "lights", 10**6),
         ("world", "light_count", 10**6),
         ("world", "background_light", 10**6),
+        ("world", "far_count", 10**6),
+        ("world", "light_root", 10**6),
+        ("world", "only_light", 10**6),
+        ("lights", "leaf", 10**6),
+        ("light_nodes", "child", 0),
+        ("light_nodes", "child", 10**6),
+        ("light_nodes", "child", -(10**6)),
+        ("light_nodes", "parent", 10**6),
+        ("light_nodes", "parent", -2),
     ],
 )
 def test_row_numbers_that_lead_outside_are_refused(scene, tmp_path, table, field, value):
@@ -107,6 +116,21 @@ def test_row_numbers_that_lead_outside_are_refused(scene, tmp_path, table, field
     _, change = rewrite(table, field, value)
     damage(path, table, lambda raw: change(raw, dtype))
     with pytest.raises(SceneError, match="scene"):
+        load_scene(path)
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_a_pair_that_ends_with_the_table_is_refused(count, tmp_path):
+    path = tmp_path / "scene.lambent"
+    b = builder()
+    for i in range(count):
+        b.point_light("Lamp", (i, 0, 2), (50, 50, 50))
+    scene = b.build()
+    save_scene(path, scene, settings())
+    load_scene(path)
+    _, change = rewrite("lights", "share", 0.5)
+    damage(path, "lights", lambda raw: change(raw, scene.dtypes()["lights"]))
+    with pytest.raises(SceneError, match="pairs"):
         load_scene(path)
 
 

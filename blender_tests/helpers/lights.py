@@ -5,10 +5,12 @@ import numpy as np
 
 from engine_core.jit import kernel
 from engine_core.light import dispatch
+from engine_core.light.bounds import is_far
+from engine_core.light.select import pmf, prepare_selection, select
 from engine_core.linalg.records import Tables
-from engine_core.linalg.vec3 import Vec3
+from engine_core.linalg.vec3 import Vec3, average, dot
 from engine_core.shape.dispatch import intersect
-from engine_core.tables import LIGHT, SHAPE, WORLD, LightKind, ShapeKind
+from engine_core.tables import LIGHT, LIGHT_NODE, SHAPE, WORLD, LightKind, ShapeKind
 
 EMISSION = (3.0, 2.0, 1.0)
 SHAPES = {LightKind.QUAD: ShapeKind.QUAD, LightKind.DISK: ShapeKind.DISK, LightKind.SPHERE: ShapeKind.SPHERE}
@@ -144,3 +146,75 @@ def irradiance(row, p, n, side=200):
     s = sample_light(row, p, even_numbers(side))
     cosine = np.maximum(s.wi.astype(float) @ np.asarray(n, float), 0.0)
     return (s.radiance * (cosine / np.where(s.pdf > 0, s.pdf, np.inf))[:, None]).mean(axis=0)
+
+
+# ---- Many lights -----------------------------------------------------------------------------------------------------
+
+
+class ManyLights(Tables):
+    """All of a scene that choosing among its lights reads."""
+
+    lights = LIGHT
+    light_nodes = LIGHT_NODE
+    world = WORLD
+
+
+def many_lights(rows):
+    """The ManyLights of rows of LIGHT, a copy: those that stand outside of the tree come first, as `select` wants."""
+    rows = rows[np.argsort(~is_far(rows), kind="stable")]
+    world = np.zeros(1, WORLD)
+    world["light_count"] = len(rows)
+    nodes = prepare_selection(rows, world)
+    return ManyLights(lights=rows, light_nodes=nodes, world=world)
+
+
+@kernel
+def _select_often(scene, p, n, both_sides, u, result):
+    for i in range(len(u)):
+        s = select(scene, Vec3(p[0], p[1], p[2]), Vec3(n[0], n[1], n[2]), both_sides, u[i])
+        result[i, 0], result[i, 1], result[i, 2] = s.light, s.pmf, s.u
+
+
+@kernel
+def _pmf_of_all(scene, p, n, both_sides, result):
+    for i in range(len(p)):
+        for row in range(result.shape[1]):
+            point, normal = Vec3(p[i, 0], p[i, 1], p[i, 2]), Vec3(n[i, 0], n[i, 1], n[i, 2])
+            result[i, row] = pmf(scene, row, point, normal, both_sides)
+
+
+@kernel
+def _irradiance_of_all(scene, p, n, both_sides, u, result):
+    for i in range(len(p)):
+        for row in range(result.shape[1]):
+            total = np.float32(0.0)
+            for k in range(len(u)):
+                s = dispatch.sample(scene, scene.lights[row], Vec3(p[i, 0], p[i, 1], p[i, 2]), u[k, 0], u[k, 1])
+                cosine = dot(s.wi, Vec3(n[i, 0], n[i, 1], n[i, 2]))
+                if both_sides:
+                    cosine = abs(cosine)
+                if s.pdf > 0.0 and cosine > 0.0:
+                    total += average(s.radiance) * cosine / s.pdf
+            result[i, row] = total / np.float32(len(u))
+
+
+def select_often(scene, p, n, u, both_sides=False):
+    """What `select` chooses for the numbers `u` at one point: rows, their probabilities, what is left of `u`."""
+    result = np.empty((len(u), 3), np.float64)
+    _select_often(scene, np.asarray(p, np.float32), np.asarray(n, np.float32), both_sides, u, result)
+    return result[:, 0].astype(int), result[:, 1], result[:, 2]
+
+
+def pmf_of_all(scene, p, n, both_sides=False):
+    """Probability of each light at points `p` with normals `n`, (m, 3): (m, lights)."""
+    result = np.empty((len(p), len(scene.lights)), np.float32)
+    _pmf_of_all(scene, np.asarray(p, np.float32), np.asarray(n, np.float32), both_sides, result)
+    return result.astype(np.float64)
+
+
+def irradiance_of_all(scene, p, n, both_sides=False, side=4):
+    """Irradiance from each light, the mean of its colours, by side^2 samples: (m, lights)."""
+    result = np.empty((len(p), len(scene.lights)), np.float32)
+    p, n = np.asarray(p, np.float32), np.asarray(n, np.float32)
+    _irradiance_of_all(scene, p, n, both_sides, even_numbers(side), result)
+    return result.astype(np.float64)

@@ -1,37 +1,48 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Direct light, found both ways: by sampling an emitter, and by a scattered ray that runs into one."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from ..accel.traverse import intersect_closest, intersect_lamps, occluded
 from ..bsdf import dispatch as bsdf_dispatch
 from ..jit import kernel
 from ..light import dispatch as light_dispatch
-from ..light.select import select
+from ..light.select import pmf, select
 from ..linalg.ray import offset_ray_origin
-from ..linalg.vec3 import BLACK, WHITE, dot, is_black, load3
+from ..linalg.vec3 import BLACK, WHITE, Vec3, dot, is_black, load3
 from ..sampling.mis import power_heuristic
 from ..shape.interaction import make_interaction
 from ..tables import MaterialFlag, Visibility
 
-FAR = np.float32(np.inf)
+FAR, ONE = np.float32(np.inf), np.float32(1.0)
 ALMOST_ONE = np.float32(1.0 - 1e-4)  # shadow rays stop short: a lamp may lie in the surface of a ceiling
 
 
+class Origin(NamedTuple):
+    """The place that sent a ray: how light sampling would have found there what the ray runs into, for MIS."""
+
+    p: Vec3
+    n: Vec3  # unit shading normal
+    both_sides: bool  # light from behind counts as well
+    pdf: float  # density of the ray's direction; 0: light sampling had no chance
+
+
 @kernel
-def sample_direct(scene, settings, it, bsdf, wo, visibility, u_select, u0, u1):
+def sample_direct(scene, settings, it, bsdf, wo, visibility, both_sides, u_select, u0, u1):
     """Light from one emitter, chosen at random, that the surface at `it` scatters towards `wo`."""
-    row, pmf, _ = select(scene, u_select)
-    light = scene.lights[row]
-    if pmf <= 0.0:
+    row, pmf_light, _ = select(scene, it.p, it.ns, both_sides, u_select)
+    if pmf_light <= 0.0:
         return BLACK
+    light = scene.lights[row]
     s = light_dispatch.sample(scene, light, it.p, u0, u1)
     if s.pdf <= 0.0 or is_black(s.radiance):
         return BLACK
     f, pdf_bsdf = bsdf_dispatch.evaluate_and_pdf(bsdf, wo, s.wi)
     if is_black(f):
         return BLACK
-    pdf_light = s.pdf * pmf
+    pdf_light = s.pdf * pmf_light
     Ld = f * s.radiance * (1.0 / pdf_light)
     if not s.is_delta:
         Ld = Ld * power_heuristic(pdf_light, pdf_bsdf)
@@ -69,21 +80,17 @@ def shadow_transmittance(scene, settings, o, d, t_max):
 
 
 @kernel
-def surface_emission(scene, it, d, p_last, pdf_last, distance):
-    """Radiance that the surface at `it` emits against `d`, weighted against having sampled it from `p_last`."""
+def surface_emission(scene, it, d, origin, distance):
+    """Radiance that the surface at `it` emits against `d`, weighted against having sampled it from the origin."""
     material = scene.materials[it.material]
     if it.backfacing and material.flags & MaterialFlag.ONE_SIDED.value:
         return BLACK
     Le = load3(material, "emission")
-    if pdf_last > 0.0 and it.light >= 0:
-        light = scene.lights[it.light]
-        pdf_light = light_dispatch.pdf(scene, light, p_last, d, distance) * light.pmf
-        Le = Le * power_heuristic(pdf_last, pdf_light)
-    return Le
+    return Le * mis_weight(scene, it.light, d, origin, distance) if it.light >= 0 else Le
 
 
 @kernel
-def lamp_radiance(scene, o, d, t_max, p_last, pdf_last, distance, visibility):
+def lamp_radiance(scene, o, d, t_max, origin, distance, visibility):
     """Radiance of all lamps that the ray passes before `t_max`. Lamps are in nobody's way, so there may be several."""
     L = BLACK
     t = np.float32(0.0)
@@ -96,29 +103,35 @@ def lamp_radiance(scene, o, d, t_max, p_last, pdf_last, distance, visibility):
         light = scene.lights[row]
         if not light.visibility & visibility:
             continue
-        Le = light_dispatch.emitted(scene, light, p_last, d, distance + t)
-        if pdf_last > 0.0:
-            pdf_light = light_dispatch.pdf(scene, light, p_last, d, distance + t) * light.pmf
-            Le = Le * power_heuristic(pdf_last, pdf_light)
-        L = L + Le
+        Le = light_dispatch.emitted(scene, light, origin.p, d, distance + t)
+        L = L + Le * mis_weight(scene, row, d, origin, distance + t)
 
 
 @kernel
-def background_radiance(scene, d, p_last, pdf_last, visibility):
+def background_radiance(scene, d, origin, visibility):
     """Radiance from beyond everything along `d`: the world, and the suns that stand there."""
     world = scene.world[0]
     L = BLACK
     if world.background_visibility & visibility:
         L = load3(world, "background")
-        if pdf_last > 0.0 and world.background_light >= 0:
-            light = scene.lights[world.background_light]
-            L = L * power_heuristic(pdf_last, light_dispatch.pdf(scene, light, p_last, d, FAR) * light.pmf)
+        if world.background_light >= 0:
+            L = L * mis_weight(scene, world.background_light, d, origin, FAR)
     for row in range(world.suns, world.suns + world.sun_count):
         light = scene.lights[row]
         if light.is_delta != 0 or not light.visibility & visibility:
             continue
-        Le = light_dispatch.emitted(scene, light, p_last, d, FAR)
-        if pdf_last > 0.0:
-            Le = Le * power_heuristic(pdf_last, light_dispatch.pdf(scene, light, p_last, d, FAR) * light.pmf)
-        L = L + Le
+        Le = light_dispatch.emitted(scene, light, origin.p, d, FAR)
+        if not is_black(Le):
+            L = L + Le * mis_weight(scene, row, d, origin, FAR)
     return L
+
+
+@kernel
+def mis_weight(scene, row, d, origin, t):
+    """Weight of a ray from the origin along `d` that runs into the row of LIGHT at distance `t`."""
+    if origin.pdf <= 0.0:
+        return ONE
+    pdf_light = light_dispatch.pdf(scene, scene.lights[row], origin.p, d, t)
+    if pdf_light > 0.0:
+        pdf_light *= pmf(scene, row, origin.p, origin.n, origin.both_sides)
+    return power_heuristic(origin.pdf, pdf_light)

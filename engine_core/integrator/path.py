@@ -20,7 +20,7 @@ from ..settings import IntegratorKind
 from ..shader.evaluate import fill_bsdf
 from ..shape.interaction import make_interaction
 from ..tables import BSDF, LobeKind, MaterialFlag, Visibility
-from .direct import background_radiance, lamp_radiance, sample_direct, surface_emission
+from .direct import Origin, background_radiance, lamp_radiance, sample_direct, surface_emission
 
 new_bsdf = scratch_record(BSDF)
 
@@ -59,9 +59,7 @@ def trace_path(scene, settings, sampler, o, d, t_max):
     L = BLACK  # radiance gathered so far
     alpha = np.float32(1.0)
 
-    # The last place that scattered: where light sampling would have started, for MIS.
-    p_last = o
-    pdf_last = np.float32(0.0)  # density of the direction taken there; 0: light sampling had no chance
+    origin = Origin(o, d, False, np.float32(0.0))  # the last place that scattered
     distance = np.float32(0.0)  # from there to `o`; more than 0 after passing through something transparent
     visibility = Visibility.CAMERA.value
 
@@ -76,18 +74,18 @@ def trace_path(scene, settings, sampler, o, d, t_max):
 
         # ---- Light that this ray runs into -----------------------------------------------------------------------
         if scene.world[0].lamp_root >= 0:
-            Le = lamp_radiance(scene, o, d, hit.t, p_last, pdf_last, distance, visibility)
+            Le = lamp_radiance(scene, o, d, hit.t, origin, distance, visibility)
             L = L + clamped(beta * Le, limit)
         if hit.prim < 0:
             if visibility == Visibility.CAMERA.value and settings.transparent_background != 0:
                 alpha = 1.0 - average(beta)
             else:
-                L = L + clamped(beta * background_radiance(scene, d, p_last, pdf_last, visibility), limit)
+                L = L + clamped(beta * background_radiance(scene, d, origin, visibility), limit)
             break
         it = make_interaction(scene, hit, o, d)
         material = scene.materials[it.material]
         if material.flags & MaterialFlag.EMISSIVE.value:
-            Le = surface_emission(scene, it, d, p_last, pdf_last, distance + hit.t)
+            Le = surface_emission(scene, it, d, origin, distance + hit.t)
             L = L + clamped(beta * Le, limit)
 
         # ---- How does this place scatter? ------------------------------------------------------------------------
@@ -103,6 +101,7 @@ def trace_path(scene, settings, sampler, o, d, t_max):
             not spreads or settings.refractive_caustics != 0,
         )
         bsdf_dispatch.prepare(bsdf, wo, it.backfacing)
+        both_sides = material.flags & MaterialFlag.TRANSMITS.value != 0
         if not first_hit:
             first_p, first_normal, first_hit = it.p, it.ns, True
             first_albedo = bsdf_dispatch.albedo(bsdf, wo)
@@ -112,7 +111,7 @@ def trace_path(scene, settings, sampler, o, d, t_max):
         u_select, u_lobe = sample_2d(sampler, dimension)
         if samples_lights and not ends_here and scene.world[0].light_count > 0:
             u0, u1 = sample_2d(sampler, dimension + 1)
-            Ld = sample_direct(scene, settings, it, bsdf, wo, visibility, u_select, u0, u1)
+            Ld = sample_direct(scene, settings, it, bsdf, wo, visibility, both_sides, u_select, u0, u1)
             L = L + clamped(beta * Ld, settings.clamp_direct if bounces == 0 else settings.clamp_indirect)
 
         # ---- Choose where to go ----------------------------------------------------------------------------------
@@ -145,8 +144,8 @@ def trace_path(scene, settings, sampler, o, d, t_max):
                 or glossy_bounces > settings.glossy_bounces
                 or transmission_bounces > settings.transmission_bounces
             )
-            p_last, distance, t_max = it.p, np.float32(0.0), FAR
-            pdf_last = np.float32(0.0) if s.is_delta or not samples_lights else s.pdf
+            pdf = np.float32(0.0) if s.is_delta or not samples_lights else s.pdf
+            origin, distance, t_max = Origin(it.p, it.ns, both_sides, pdf), np.float32(0.0), FAR
         beta = beta * s.weight
         if is_black(beta):
             break

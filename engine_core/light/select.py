@@ -1,115 +1,133 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which light to sample: one of all, by its power; and what that power is."""
+"""Which light to sample at a point: one of all, by what it may bring there.
 
-from typing import NamedTuple
+Suns and beams, whose light does not fall off with distance, stand outside of the tree of lights. One of them, or the
+tree, is chosen first: half of the probability goes by the irradiance to be expected, half evenly to all that can be
+seen, since what stands in the way nobody knows. Constant background gets none: scattering by the material finds it
+better, as it is everywhere.
+"""
+
+import math
 
 import numpy as np
 
 from ..jit import kernel
+from ..linalg.vec3 import dot, load3
 from ..tables import LightKind
+from . import area, tree
+from .bounds import clusters, intensity, irradiance, is_far, pairs
+from .build import build_tree
+from .light_sample import ONE, ZERO
+from .tree import ONE_MINUS, SLACK, Selection
 
-ONE_MINUS = np.float32(1.0 - 2.0**-24)  # the largest number below 1
-QUANTA = 2**24  # probabilities are whole multiples of 1 / QUANTA: exact in float32, as are the sums of them, and `u`
-
-
-class Selection(NamedTuple):
-    light: int  # row of LIGHT
-    pmf: float  # 0: there is nothing to select
-    u: float  # what is left of the random number: again in [0, 1), with as many bits less as the choice took
+# The middle of the first of the 2^24 steps of random numbers: an interval that begins at 0 would have the whole step.
+LEAST_U = np.float32(2.0**-25)
+EDGE = np.float32(1.001)  # beams are looked for a little beyond their edge, whatever is rounded
 
 
 @kernel
-def select(scene, u):
-    """Choose a light with probability `pmf`: the first whose `cdf` is above `u`, by bisection."""
-    first, last = 0, scene.world[0].light_count - 1
-    while first < last:
-        middle = (first + last) >> 1
-        if u < scene.lights[middle].cdf:
-            last = middle
-        else:
-            first = middle + 1
-    light = scene.lights[first]
-    if light.pmf > 0.0:
-        u = min((u - (light.cdf - light.pmf)) / light.pmf, ONE_MINUS)
-    return Selection(first, light.pmf, u)
+def select(scene, p, n, both_sides, u):
+    """Choose a light for the point `p` with the unit normal `n`.
 
-
-def set_probabilities(lights, scene_radius):
-    """Fill in `pmf` and `cdf` of all rows of LIGHT. `scene_radius`: of a ball around everything, metres.
-
-    By power; but how much of the power of a sun reaches what the camera sees, nobody knows, so half of all samples are
-    shared out evenly: one share for each sun, one for all other lights together. Constant background gets none:
-    scattering by the material finds it better, since it is everywhere.
+    `both_sides`: whether light that comes from behind counts as well.
     """
-    power = light_power(lights, scene_radius)
-    power[lights["kind"] == LightKind.BACKGROUND] = 0.0
-    is_sun = lights["kind"] == LightKind.SUN
-    shares = np.where(is_sun, np.where(power > 0.0, 1.0, 0.0), power / max(power[~is_sun].sum(), 1e-300))
-    counts = apportion(0.5 * _normalised(power) + 0.5 * _normalised(shares), QUANTA)
-    lights["pmf"] = counts / QUANTA
-    lights["cdf"] = np.cumsum(counts) / QUANTA
+    world = scene.world[0]
+    if world.only_light >= 0:
+        return within_leaf(scene, world.only_light, ONE, u)
+    u = max(u, LEAST_U)
+    importances = tree.new_importances()
+    near = tree.weigh_root(scene, p, n, both_sides, importances)
+    mine = ONE
+    if world.far_count > 0:
+        total, seen = expected(scene, near, p, n, both_sides)
+        for row in range(world.far_count):
+            mine = share(far_importance(scene.lights[row], p, n, both_sides), total, seen)
+            if u < mine:
+                return Selection(row, mine, min(u / mine, ONE_MINUS))
+            u -= mine
+        mine = share(near, total, seen)
+        u = min(u / mine, ONE_MINUS)
+    s = tree.sample(scene, p, n, both_sides, u, importances, near)
+    return within_leaf(scene, s.light, mine * s.pmf, s.u) if s.pmf > 0.0 else s
 
 
-def apportion(weights, total):
-    """Whole numbers with the sum `total`, in proportion to `weights`; at least 1 where a weight is not 0.
-
-    All 0 if the weights are.
-    """
-    counts = np.where(weights > 0.0, np.maximum(np.rint(_normalised(weights) * total), 1.0), 0.0).astype(np.int64)
-    rest = total - counts.sum() if counts.any() else 0
-    while rest:  # what rounding left: nearly always to the largest alone
-        largest = int(np.argmax(counts))
-        step = max(rest, 1 - counts[largest])
-        counts[largest] += step
-        rest -= step
-    return counts
-
-
-def light_power(lights, scene_radius):
-    """Radiant flux of rows of LIGHT, the mean of red, green and blue, W: (n,).
-
-    Of suns and background, what enters the ball of `scene_radius` around the scene.
-    """
-    emission = lights["emission"].astype(np.float64).mean(axis=-1)
-    radius, area = lights["radius"].astype(np.float64), lights["area"].astype(np.float64)
-    is_delta, kind = lights["is_delta"] != 0, lights["kind"]
-    disk = np.pi * scene_radius**2
-
-    ball = np.where(is_delta, 4.0 * np.pi, 4.0 * np.pi**2 * radius**2)
-    height = lights["height"].astype(np.float64)
-    sides = np.where(lights["two_sided"] != 0, 2.0, 1.0)
-    factors = {
-        LightKind.POINT: ball,
-        LightKind.SPOT: ball * np.where(kind == LightKind.SPOT, _spot_fraction(lights), 1.0),
-        LightKind.SUN: disk * np.where(is_delta, 1.0, np.pi * height * (2.0 - height)),  # pi sin^2
-        LightKind.QUAD: area * np.where(is_delta, 1.0, np.pi * _spread_fraction(lights)),
-        LightKind.DISK: area * np.where(is_delta, 1.0, np.pi * _spread_fraction(lights)),
-        LightKind.TRIANGLE: np.pi * area * sides,
-        LightKind.SPHERE: 4.0 * np.pi**2 * radius**2,
-        LightKind.BACKGROUND: 4.0 * np.pi * disk,
-    }
-    return emission * np.select([kind == k for k in factors], list(factors.values()))
+@kernel
+def pmf(scene, row, p, n, both_sides):
+    """Probability that `select` chooses the row of LIGHT for that point."""
+    world, light = scene.world[0], scene.lights[row]
+    if world.only_light >= 0 or light.share == 0.0:
+        return light.share
+    mine = ONE
+    if world.far_count > 0:
+        near = tree.weigh_root(scene, p, n, both_sides, tree.new_importances())
+        total, seen = expected(scene, near, p, n, both_sides)
+        if row < world.far_count:
+            return share(far_importance(light, p, n, both_sides), total, seen)
+        mine = share(near, total, seen)
+    return mine * light.share * tree.pmf(scene, light.leaf, p, n, both_sides)
 
 
-def _spot_fraction(lights):
-    """The part of a point light's power that passes the cone: its solid angle, half of the blended edge; over 4 pi.
-
-    For an elliptic cone about: its solid angle shrinks with both axes.
-    """
-    with np.errstate(divide="ignore"):
-        width = 1.0 / lights["blend"].astype(np.float64)
-    cosines = 1.0 - lights["cos_angle"].astype(np.float64) - 0.5 * width
-    squeeze = np.linalg.norm(lights["u"], axis=-1) * np.linalg.norm(lights["v"], axis=-1)
-    return np.minimum(0.5 * cosines / np.maximum(squeeze, 1e-6), 1.0)
+@kernel
+def within_leaf(scene, row, probability, u):
+    """Choose the light `row`, the first of its leaf, or of a pair the next."""
+    mine = scene.lights[row].share
+    if u < mine:
+        return Selection(row, probability * mine, min(u / mine, ONE_MINUS))
+    return Selection(np.int32(row + 1), probability * (1.0 - mine), min((u - mine) / (1.0 - mine), ONE_MINUS))
 
 
-def _spread_fraction(lights):
-    """Flux of a light that shines within an angle `a`, over that of a Lambertian one: 1 - a / tan a."""
-    tangent = lights["spread"].astype(np.float64)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(np.isinf(tangent), 1.0, 1.0 - np.arctan(tangent) / tangent)
+@kernel
+def expected(scene, near, p, n, both_sides):
+    """Irradiance to be expected from all lights, `near` of it from the tree; and how many choices there are."""
+    total = near
+    seen = 1 if near > 0.0 else 0
+    for row in range(scene.world[0].far_count):
+        far = far_importance(scene.lights[row], p, n, both_sides)
+        total += far
+        seen += 1 if far > 0.0 else 0
+    return total, seen
 
 
-def _normalised(weights):
-    total = weights.sum()
-    return weights / total if total > 0.0 else weights
+@kernel
+def share(mine, total, seen):
+    """Probability of one choice: half by its irradiance, half as much as all others."""
+    return 0.5 * (mine / total + 1.0 / np.float32(seen)) if mine > 0.0 else ZERO
+
+
+@kernel
+def far_importance(light, p, n, both_sides):
+    """Irradiance that a light outside of the tree may bring to `p`: 0 if it cannot."""
+    cosine = -dot(n, load3(light, "n"))
+    if both_sides:
+        cosine = abs(cosine)
+    if light.kind == LightKind.SUN:
+        cosine += math.sqrt(light.height * (2.0 - light.height))  # sine of the angle of its disk
+    else:
+        view = area.view_from(light, p)
+        if view.lit.z <= 0.0 or abs(view.x) > EDGE * view.half_x or abs(view.y) > EDGE * view.half_y:
+            return ZERO
+    cosine = min(cosine + SLACK, 1.0)
+    return light.irradiance * cosine if cosine > 0.0 else ZERO
+
+
+# ---- Preparation -----------------------------------------------------------------------------------------------------
+
+
+def prepare_selection(lights, world):
+    """Fill in what `select` reads of LIGHT and WORLD; returns rows of LIGHT_NODE. Far lights have to stand first."""
+    far, is_pair = is_far(lights), pairs(lights)
+    nodes = build_tree(clusters(lights, is_pair))
+    child = nodes["child"].ravel()
+    leaves = np.flatnonzero(child < 0)
+    first, second = ~child[leaves], np.flatnonzero(is_pair) + 1
+    lights["leaf"], lights["share"], lights["irradiance"] = -1, 0.0, np.where(far, irradiance(lights), 0.0)
+    lights["leaf"][first], lights["share"][first], lights["share"][far] = leaves, 1.0, 1.0
+    lights["leaf"][second] = lights["leaf"][second - 1]
+    strength = intensity(lights)
+    lights["share"][second] = strength[second] / (strength[second] + strength[second - 1])
+    lights["share"][second - 1] = 1.0 - lights["share"][second]
+    world["far_count"] = far.sum()
+    world["light_root"] = 0 if len(nodes) else -1
+    selected = np.append(np.flatnonzero(far), first)
+    world["only_light"] = selected[0] if len(selected) == 1 else -1
+    return nodes

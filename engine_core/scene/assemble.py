@@ -10,7 +10,8 @@ import numpy as np
 from ..accel import build as accel
 from ..accel.instances import instance_boxes
 from ..jit import builder_kernel
-from ..light.select import set_probabilities
+from ..light.bounds import is_far
+from ..light.select import prepare_selection
 from ..shape.dispatch import bounds
 from ..tables import (
     CAMERA,
@@ -22,6 +23,7 @@ from ..tables import (
     PACKET,
     SHAPE,
     SLOT,
+    TRANSMITTING,
     TRIANGLE,
     WORLD,
     LightKind,
@@ -62,7 +64,7 @@ class _Assembly:
         self.progress(0.9, "Lights")
         self._lamps(world)
         self._bounds(world)
-        lights = self._lights(materials, world)
+        lights, light_nodes = self._lights(materials, world)
         world["transparent_shadows"] = int((materials["flags"] & MaterialFlag.TRANSPARENT).any())
         return Scene(
             nodes=_concatenate(self.nodes, NODE),
@@ -74,6 +76,7 @@ class _Assembly:
             materials=materials,
             lobes=lobes,
             lights=lights,
+            light_nodes=light_nodes,
             camera=self.builder.camera_row,
             world=world,
         )
@@ -88,7 +91,12 @@ class _Assembly:
             row["emission"], row["pass_index"] = material.emission, material.pass_index
             see_through = material.lobes["kind"] == LobeKind.TRANSPARENT
             row["transparency"] = np.minimum(material.lobes["weight"][see_through].sum(axis=0), 1.0)
-            row["flags"] = material.flags | (MaterialFlag.TRANSPARENT if see_through.any() else 0)
+            transmits = np.isin(material.lobes["kind"], TRANSMITTING)
+            row["flags"] = (
+                material.flags
+                | (MaterialFlag.TRANSPARENT if see_through.any() else 0)
+                | (MaterialFlag.TRANSMITS if transmits.any() else 0)
+            )
             lobes.append(material.lobes)
             first += len(material.lobes)
         return rows, _concatenate(lobes, LOBE)
@@ -261,7 +269,7 @@ class _Assembly:
         self._append("nodes", nodes)
 
     def _lights(self, materials, world):
-        """The table of lights: lamps, emissive primitives, the world; and their probabilities."""
+        """The table of lights: lamps, emissive primitives, the world; and the tree to select from."""
         tables = [np.array(self.lights, LIGHT)] if self.lights else []
         count = len(self.lights)
         for number, placement in enumerate(self.placements):
@@ -280,22 +288,22 @@ class _Assembly:
             world["background_light"] = count
             tables.append(row)
         lights = _concatenate(tables, LIGHT)
-        lights, world = self._suns_together(lights, world)
+        self._far_first(lights, world)
         world["light_count"] = len(lights)
-        set_probabilities(lights, float(world["radius"][0]))
-        return lights
+        return lights, prepare_selection(lights, world)
 
-    def _suns_together(self, lights, world):
-        """Suns are looked for by every ray that leaves the scene: they stand first among the lamps."""
+    def _far_first(self, lights, world):
+        """Suns are looked for by every ray that leaves the scene, and weighed with beams at every place that is lit:
+        they stand first among the lamps."""
         lamps = len(self.lights)
-        order = np.argsort(lights["kind"][:lamps] != LightKind.SUN, kind="stable")
+        is_sun = lights["kind"][:lamps] == LightKind.SUN
+        order = np.argsort(np.select([is_sun, is_far(lights[:lamps])], [0, 1], 2), kind="stable")
         lights[:lamps] = lights[:lamps][order]
         renumbered = np.empty(lamps, np.int32)
         renumbered[order] = np.arange(lamps)
         for table in self.shapes[-1:] if world["lamp_root"][0] >= 0 else []:
             table["light"] = renumbered[table["light"]]
-        world["suns"], world["sun_count"] = 0, int((lights["kind"] == LightKind.SUN).sum())
-        return lights, world
+        world["suns"], world["sun_count"] = 0, is_sun.sum()
 
     def _emitters(self, number, placement, geometry, materials):
         """Rows of LIGHT for the emissive primitives of an instance; None if they cannot be sampled."""

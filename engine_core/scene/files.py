@@ -14,7 +14,7 @@ import numpy as np
 
 from ..accel.nodes import aligned_rows
 from ..settings import Settings
-from ..tables import MAX_LOBES, Scene, TreeKind
+from ..tables import LIGHT_WIDTH, MAX_LOBES, Scene, TreeKind
 from .checks import SceneError
 
 FORMAT, VERSION = "lambent scene", 1
@@ -102,7 +102,34 @@ def check_tables(name, tables):
         world["suns"] >= 0 and world["suns"] + world["sun_count"] <= len(tables["lights"])
     ):
         raise SceneError(f"{name}: lights of the world lead outside of the table lights")
-    within("the world's background", np.array([world["background_light"]]), "lights")
+    if not world["sun_count"] <= world["far_count"] <= len(tables["lights"]):
+        raise SceneError(f"{name}: suns and beams lead outside of the table lights")
+    for field, what, table in (
+        ("background_light", "the world's background", "lights"),
+        ("only_light", "the only light", "lights"),
+        ("light_root", "the tree of lights", "light_nodes"),
+    ):
+        within(what, world[field], table)
+    _check_light_tree(name, tables, within)
+
+
+def _check_light_tree(name, tables, within):
+    """Refuse what would not lead down from the root to the lights, and from each of them up to it."""
+    nodes = tables["light_nodes"]
+    child, parent = nodes["child"].astype(np.int64), nodes["parent"].astype(np.int64)
+    row = np.arange(len(nodes))
+    within("leaves of the tree of lights", ~child[child < 0], "lights", none_allowed=False)
+    only = tables["world"]["only_light"]
+    first = np.concatenate([~child[child < 0], only[only >= 0]])
+    within("pairs of lights", first + ~(tables["lights"]["share"][first] >= 1.0), "lights", none_allowed=False)
+    within("leaves of lights", tables["lights"]["leaf"] // LIGHT_WIDTH, "light_nodes")
+    if (
+        child.max(initial=0) >= len(nodes)
+        or (child <= row[:, None])[(child > 0) | ((child == 0) & (nodes["intensity"] != 0.0))].any()
+        or parent.min(initial=0) < -1
+        or (parent // LIGHT_WIDTH >= row)[parent >= 0].any()
+    ):
+        raise SceneError(f"{name}: the tree of lights leads astray")
 
 
 def _tree_kinds(name, tables):
