@@ -3,6 +3,9 @@
 
 numba keeps machine code in a folder named by the sources' digest. A mark in that folder says that all of it is there,
 so that the next Blender loads it in a moment. `prepare` does either, for whoever comes first; the others wait.
+
+Integrators share nearly all of their kernels. The default one is prepared ahead; another one, when it is chosen, takes
+some seconds more.
 """
 
 import threading
@@ -16,37 +19,38 @@ START_AFTER_S = 1.0  # let Blender draw its window first
 JOIN_S = 0.3  # how long Blender may be kept from closing
 POLL_S = 0.02  # how long somebody who waits may not notice that nobody wants the kernels any more
 
-_lock, _ready = threading.Lock(), threading.Event()
+DEFAULT = 2  # engine_core's IntegratorKind.PATH
+_lock, _ready = threading.Lock(), set()  # of numbers of integrators
 _warm_up = None
 
 
-def are_compiled():
-    """Whether they need not be compiled: this process has them, or finds them on disk."""
-    return _ready.is_set() or _mark().exists()
+def are_compiled(integrator=DEFAULT):
+    """Whether its kernels need not be compiled: this process has them, or finds them on disk."""
+    return integrator in _ready or _mark(integrator).exists()
 
 
-def prepare(cancelled=None):
+def prepare(integrator=DEFAULT, cancelled=None):
     """Load the kernels, or compile them; that cannot be interrupted. False if `cancelled`, an event, was set before."""
-    while not _ready.is_set():
+    while integrator not in _ready:
         if cancelled is not None and cancelled.is_set():
             return False
         if _lock.acquire(timeout=POLL_S):
             try:
-                if not _ready.is_set():
-                    _use_all_kernels()
-                    _ready.set()
+                if integrator not in _ready:
+                    _use_all_kernels(integrator)
+                    _ready.add(integrator)
             finally:
                 _lock.release()
     return True
 
 
-def _mark():
+def _mark(integrator=DEFAULT):
     from .core import jit
 
-    return jit.use_cache() / "compiled"
+    return jit.use_cache() / f"compiled {integrator}"
 
 
-def _use_all_kernels():
+def _use_all_kernels(integrator):
     """Render a tiny scene: a triangle, a ball and a lamp, twice, so that there is one of each kind of tree."""
     from . import core
 
@@ -58,12 +62,10 @@ def _use_all_kernels():
         builder.instance(geometry, materials=[grey])
     builder.point_light("Lamp", (0, 0, 3), (100, 100, 100), radius=0.1)
     builder.camera([(1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 5), (0, 0, 0, 1)], (-1, 1, -1, 1))
-    settings = core.Settings(width=8, height=8, crop_width=8, crop_height=8, samples=1)
-    # numba would compile once more for a member of an enumeration than for the integer that it is
-    settings = settings._replace(integrator=int(settings.integrator), filter_kind=int(settings.filter_kind))
+    settings = core.Settings(width=8, height=8, crop_width=8, crop_height=8, samples=1, integrator=integrator)
     core.Render(builder.build(), settings, threads=1).run()
     try:
-        mark = _mark()
+        mark = _mark(integrator)
         mark.parent.mkdir(parents=True, exist_ok=True)
         mark.touch()
     except OSError:  # a folder that cannot be written to holds no machine code either

@@ -61,7 +61,7 @@ class Session:
         self.render = None  # engine_core's Render, once the scene is built
         self.first_tile_s = None  # when the first tile was done; kernels are there from then on
         self._builder, self._threads, self._time_limit = builder, threads, time_limit
-        self._phase = Phase.LOADING if compile_cache.are_compiled() else Phase.COMPILING
+        self._phase = Phase.LOADING if compile_cache.are_compiled(settings.integrator) else Phase.COMPILING
         self._cancelled, self._error = threading.Event(), None
         self._began = time.perf_counter()
         self._thread = threading.Thread(target=self._build, name="lambent build", daemon=True)
@@ -87,7 +87,7 @@ class Session:
 
     def _build(self):
         try:
-            if not compile_cache.prepare(self._cancelled):
+            if not compile_cache.prepare(self.settings.integrator, self._cancelled):
                 return
             self._phase = Phase.BUILDING
             scene = self._builder.build()

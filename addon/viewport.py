@@ -94,7 +94,7 @@ class Work:
     def __init__(self, build, view, settings, threads):
         self.picture = None  # float32 (h, w, 4); the newest
         self.is_new = True  # whether there is news to draw
-        self.text = (Phase.BUILDING if compile_cache.are_compiled() else Phase.COMPILING).value
+        self.text = (Phase.BUILDING if compile_cache.are_compiled(settings.integrator) else Phase.COMPILING).value
         self._build, self._view, self._settings, self._threads = build, view, settings, threads
         self._cancelled = threading.Event()
         self.thread = threading.Thread(target=self._run, name="lambent viewport", daemon=True)
@@ -107,7 +107,7 @@ class Work:
     def _run(self):
         try:
             scene = self._build.wait(self._cancelled)
-            if scene is not None and compile_cache.prepare(self._cancelled):
+            if scene is not None and compile_cache.prepare(self._settings.integrator, self._cancelled):
                 scene = with_camera(scene, self._view)
                 coarse_size = max(self._view.width // COARSE, 1), max(self._view.height // COARSE, 1)
                 self._render(scene, coarse_size, 1)

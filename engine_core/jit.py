@@ -44,6 +44,18 @@ def builder_kernel(function):
     return numba.njit(function, **OPTIONS)
 
 
+def variant(function, name, **meanings):
+    """The same function with other meanings for some of its global names, to be compiled and cached apart from it.
+
+    For a kernel that differs in one kernel that it calls: numba cannot cache kernels that are made inside a function.
+    """
+    names = {**function.__globals__, **meanings}
+    other = types.FunctionType(function.__code__, names, function.__name__, function.__defaults__)
+    other.__doc__, other.__module__ = function.__doc__, function.__module__
+    other.__qualname__ = f"{function.__qualname__}_{name}"
+    return other
+
+
 def float32_literals(function):
     """The same function with every float constant narrowed to float32."""
     code = function.__code__

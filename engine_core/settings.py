@@ -45,3 +45,7 @@ class Settings(NamedTuple):
     filter_width: float = 1.5  # in pixels
     transparent_background: int = 0  # 1: camera rays that miss leave alpha 0
     exposure: float = 1.0
+
+    def plain(self):
+        """The same in plain int and float: for anything else numba would compile every kernel once more."""
+        return Settings(*(kind(value) for kind, value in zip(self.__annotations__.values(), self, strict=True)))

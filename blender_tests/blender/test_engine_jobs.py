@@ -122,7 +122,7 @@ def test_a_fault_in_a_thread_ends_the_render(scene, tmp_path, monkeypatch):
     def broken_tile(*_):
         raise ArithmeticError("tile fell off")
 
-    monkeypatch.setattr(tiles, "render_tile", broken_tile)
+    monkeypatch.setitem(tiles.RENDER_TILE, 2, broken_tile)
     expect_failure(scene, tmp_path / "picture.exr", "tile fell off")
 
 
@@ -263,7 +263,7 @@ def test_a_cold_start_says_that_it_compiles(scene, tmp_path, monkeypatch):
             time.sleep(0.2)  # as compiling would take
             super()._build()
 
-    monkeypatch.setattr(session.compile_cache, "are_compiled", lambda: False)
+    monkeypatch.setattr(session.compile_cache, "are_compiled", lambda integrator: False)
     monkeypatch.setattr(final, "Session", SlowSession)
     monkeypatch.setattr(final, "STATUS_BACKGROUND_S", 0.0)
     calls = said(monkeypatch, "update_stats")
@@ -275,12 +275,11 @@ def test_nobody_waits_for_kernels_that_are_not_wanted_any_more(registered):
     """Only one thread compiles; the others wait for it, and may stop waiting."""
     from addon import compile_cache
 
-    results, cancelled, event = [], threading.Event(), threading.Event()
-    ready = compile_cache._ready
-    compile_cache._ready = event
+    results, cancelled = [], threading.Event()
+    ready, compile_cache._ready = compile_cache._ready, set()
     try:
         with compile_cache._lock:  # as long as somebody compiles
-            waiting = threading.Thread(target=lambda: results.append(compile_cache.prepare(cancelled)))
+            waiting = threading.Thread(target=lambda: results.append(compile_cache.prepare(2, cancelled)))
             waiting.start()
             cancelled.set()
             waiting.join(5.0)
@@ -289,14 +288,17 @@ def test_nobody_waits_for_kernels_that_are_not_wanted_any_more(registered):
     assert results == [False]
 
 
-def test_preparing_compiles_all_that_a_render_needs(scene, tmp_path):
+@pytest.mark.parametrize("integrator", ["PATH", "BRUTE_FORCE"])
+def test_preparing_compiles_all_that_a_render_needs(scene, tmp_path, integrator):
     """No kernel is compiled a second time, for other types of arguments."""
     from addon import compile_cache
-    from engine_core.integrator.render import render_tile
+    from engine_core.integrator.render import RENDER_TILE
+    from engine_core.settings import IntegratorKind
 
-    compile_cache.prepare()
+    scene.lambent.integrator = integrator
+    compile_cache.prepare(int(IntegratorKind[integrator]))
     render(tmp_path / "picture.exr")
-    assert len(render_tile.signatures) == 1
+    assert len(RENDER_TILE[IntegratorKind[integrator]].signatures) == 1
 
 
 def test_a_render_leaves_a_mark_that_kernels_are_compiled(scene, tmp_path):

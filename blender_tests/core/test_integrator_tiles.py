@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from blender_tests.helpers.scenes import builder, cube, picture, plane, settings, sphere
-from engine_core.integrator.tiles import TILE_SIZE, Render, make_passes, make_tiles
+from engine_core.integrator.tiles import RENDER_TILE, TILE_SIZE, Render, make_passes, make_tiles
 from engine_core.scene.materials import Diffuse, Glass
+from engine_core.settings import IntegratorKind
 
 
 @pytest.fixture(scope="module")
@@ -66,7 +67,7 @@ def test_an_error_in_a_thread_reaches_the_caller(room, monkeypatch):
     def fails(*arguments):
         raise RuntimeError("planted")
 
-    monkeypatch.setattr("engine_core.integrator.tiles.render_tile", fails)
+    monkeypatch.setitem(RENDER_TILE, IntegratorKind.PATH, fails)
     render = Render(room.build(), settings(32), threads=2)
     render.start()
     with pytest.raises(RuntimeError, match="planted"):

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The kernel that renders a tile: samples of pixels, added to the film."""
+"""The kernels that render a tile: samples of pixels, added to the film. One for each integrator.
+
+Each is compiled when it is first called, so that nobody waits for integrators that nobody has chosen.
+"""
 
 import math
 
@@ -7,19 +10,28 @@ import numpy as np
 
 from ..camera.dispatch import generate_ray
 from ..film.filter import sample_filter
-from ..jit import kernel
+from ..jit import kernel, variant
 from ..linalg.transform import transform_point, transform_vector
 from ..linalg.vec3 import BLACK, Vec3, dot, load3, store3
 from ..sampling.sobol import make_sampler, sample_2d
-from .path import trace_path
+from ..settings import IntegratorKind
+from . import path, uniform
+from .path import trace
 
 NO_DEPTH = np.float32(1e10)  # what Blender's depth pass says where nothing was hit
 Z_AXIS = Vec3(0.0, 0.0, 1.0)
 
 
 @kernel
+def depth_along_axis(camera, p):
+    """Distance of `p` from the camera along the direction that it looks, as Blender's Depth pass has it."""
+    back = transform_vector(camera, "to_world", Z_AXIS)
+    eye = transform_point(camera, "to_world", BLACK)
+    return dot(eye - p, back)
+
+
 def render_tile(scene, settings, film, x0, y0, width, height, first_sample, count):
-    """Add the samples first_sample ... first_sample + count - 1 to each pixel of a tile.
+    """Add the samples first_sample ... first_sample + count - 1 to each pixel of a tile, by the paths of `trace`.
 
     `x0`, `y0`: the tile's lower left pixel on the film. Between two rows the kernel looks whether it was cancelled;
     returns the number of rows that it finished.
@@ -47,19 +59,19 @@ def render_tile(scene, settings, film, x0, y0, width, height, first_sample, coun
                     u0,
                     u1,
                 )
-                path = trace_path(scene, settings, sampler, ray.o, ray.d, ray.t_max)
-                L = path.L * settings.exposure
+                s = trace(scene, settings, sampler, ray.o, ray.d, ray.t_max)
+                L = s.L * settings.exposure
                 if not math.isfinite(L.x + L.y + L.z):
                     L = BLACK  # one overflow in a million samples must not cost the pixel
                 radiance = radiance + L
                 if index % 2 == 0:
                     even = even + L
-                alpha += path.alpha
-                normal = normal + path.normal
-                albedo = albedo + path.albedo
+                alpha += s.alpha
+                normal = normal + s.normal
+                albedo = albedo + s.albedo
                 if index == 0:
-                    store3(pixel, "position", path.p)
-                    pixel.depth = depth_along_axis(camera, path.p) if path.hit else NO_DEPTH
+                    store3(pixel, "position", s.p)
+                    pixel.depth = depth_along_axis(camera, s.p) if s.hit else NO_DEPTH
             store3(pixel, "radiance", load3(pixel, "radiance") + radiance)
             store3(pixel, "even", load3(pixel, "even") + even)
             store3(pixel, "normal", load3(pixel, "normal") + normal)
@@ -69,9 +81,7 @@ def render_tile(scene, settings, film, x0, y0, width, height, first_sample, coun
     return height
 
 
-@kernel
-def depth_along_axis(camera, p):
-    """Distance of `p` from the camera along the direction that it looks, as Blender's Depth pass has it."""
-    back = transform_vector(camera, "to_world", Z_AXIS)
-    eye = transform_point(camera, "to_world", BLACK)
-    return dot(eye - p, back)
+RENDER_TILE = {
+    IntegratorKind.BRUTE_FORCE: kernel(variant(render_tile, "by_brute_force", trace=uniform.trace)),
+    IntegratorKind.PATH: kernel(variant(render_tile, "by_path", trace=path.trace)),
+}

@@ -20,7 +20,7 @@ import time
 
 from ..film import passes
 from ..settings import Settings
-from .render import render_tile
+from .render import RENDER_TILE
 
 # A tile is small enough that stopping, and sharing the last ones among the threads, takes no time,
 # and large enough that handing it out (50 us) does not matter.
@@ -46,7 +46,7 @@ class Render:
     def __init__(self, scene, settings, threads=0, time_limit=0.0):
         if settings.crop_width < 1 or settings.crop_height < 1 or settings.samples < 1:
             raise ValueError("a render needs at least one pixel and one sample")
-        self.scene, self.settings = scene, Settings(*settings)
+        self.scene, self.settings = scene, Settings(*settings).plain()
         self.film = passes.make_film(settings.crop_width, settings.crop_height)
         self.threads = threads if threads > 0 else available_processors()
         self.time_limit = time_limit
@@ -193,6 +193,7 @@ class Render:
 
     def _render(self, tile, first, count):
         """All samples of a tile in this pass, in batches. False if cancelled before the end."""
+        render_tile = RENDER_TILE[self.settings.integrator]
         for begin in range(first, first + count, LARGEST_BATCH):
             batch = min(LARGEST_BATCH, first + count - begin)
             rows = render_tile(self.scene, self.settings, self.film, *tile, begin, batch)

@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Brute force: scatter by the material alone, and find lights by luck.
+
+P. Shirley, "Ray Tracing in One Weekend". The density of the directions knows nothing of where light is; hence the name
+of the file.
+"""
+
+from ..bsdf import dispatch as bsdf_dispatch
+from ..jit import kernel
+from ..sampling.sobol import sample_2d
+from .walk import (
+    ZERO,
+    advance,
+    arrive,
+    dimension_of,
+    follow,
+    is_last,
+    make_bsdf,
+    new_bsdf,
+    new_walk,
+    outcome,
+    set_out,
+    survives,
+)
+
+
+@kernel
+def trace(scene, settings, sampler, o, d, t_max):
+    """The PathSample that arrives at `o` from the unit direction `d`; the camera sees no further than `t_max`."""
+    walk, bsdf = new_walk(), new_bsdf()
+    set_out(walk, o, d, t_max)
+    while True:
+        # ---- Where are we, and what shone on the way? ------------------------------------------------------------
+        hit = advance(scene, settings, walk)
+        if hit.prim < 0:
+            break
+        it = arrive(scene, settings, walk, hit)
+        if is_last(scene, walk, it):
+            break
+
+        # ---- How does this place scatter? ------------------------------------------------------------------------
+        wo = make_bsdf(scene, settings, walk, it, bsdf)
+        dimension = dimension_of(walk)
+
+        # ---- Choose where to go ----------------------------------------------------------------------------------
+        _, u_lobe = sample_2d(sampler, dimension)
+        u0, u1 = sample_2d(sampler, dimension + 2)
+        s = bsdf_dispatch.sample(bsdf, wo, u_lobe, u0, u1)
+        if not follow(settings, walk, it, s, ZERO):
+            break
+
+        # ---- Is it worth going on? -------------------------------------------------------------------------------
+        if not survives(settings, walk, sampler, dimension + 3):
+            break
+    return outcome(walk)

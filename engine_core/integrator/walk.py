@@ -1,0 +1,255 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A path in the making: what every integrator does at each vertex, so that its own file holds only what is its own.
+
+An integrator is a loop over vertices (`uniform.py` is the shortest): advance, arrive, scatter, and follow the new
+direction. The state of the path is a row of WALK on the stack of that loop.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ..accel.traverse import intersect_closest
+from ..bsdf import dispatch as bsdf_dispatch
+from ..jit import kernel
+from ..linalg.ray import offset_ray_origin
+from ..linalg.records import scratch_record
+from ..linalg.vec3 import BLACK, WHITE, Vec3, average, dot, is_black, load3, max_component, store3
+from ..sampling.sobol import sample_1d
+from ..shader.evaluate import fill_bsdf
+from ..shape.interaction import make_interaction
+from ..tables import BSDF, LobeKind, MaterialFlag, Visibility
+from .direct import Origin, background_radiance, lamp_radiance, surface_emission
+
+# Dimensions of a sample, in pairs: 0 the pixel filter, 1 the lens, then four for each vertex of the path: two choices
+# (which light, which lobe), a point on a light or two more choices, a direction, Russian roulette.
+FIRST_DIMENSION, DIMENSIONS_PER_VERTEX = 2, 4
+FAR, ZERO = np.float32(np.inf), np.float32(0.0)
+CAMERA = Visibility.CAMERA.value
+
+WALK = np.dtype(
+    [
+        ("o", "f4", (3,)),  # the ray that comes next; it sees no further than t_max
+        ("d", "f4", (3,)),
+        ("t_max", "f4"),
+        ("visibility", "i4"),  # Visibility: by what scattering it came about
+        ("beta", "f4", (3,)),  # throughput
+        ("L", "f4", (3,)),  # radiance gathered so far
+        ("alpha", "f4"),
+        ("p_last", "f4", (3,)),  # the last place that scattered, an Origin
+        ("n_last", "f4", (3,)),
+        ("both_sides_last", "i4"),
+        ("pdf_last", "f4"),
+        ("distance", "f4"),  # from there to `o`; more than 0 after passing through something transparent
+        ("t", "f4"),  # length of the ray that led to the vertex
+        ("both_sides", "i4"),  # 1: the vertex scatters light from behind, too
+        ("bounces", "i4"),
+        ("diffuse_bounces", "i4"),
+        ("glossy_bounces", "i4"),
+        ("transmission_bounces", "i4"),
+        ("transparent_bounces", "i4"),
+        ("ends_here", "i4"),  # 1: the limits allow no more scattering: gather emission and stop
+        ("first_p", "f4", (3,)),  # the first vertex, for the passes
+        ("first_normal", "f4", (3,)),
+        ("first_albedo", "f4", (3,)),
+        ("first_hit", "i4"),
+    ]
+)
+new_walk, new_bsdf = scratch_record(WALK), scratch_record(BSDF)
+
+
+class PathSample(NamedTuple):
+    """What one path brought, and what its first vertex was."""
+
+    L: Vec3
+    alpha: float  # 0 where the camera sees the background
+    p: Vec3
+    normal: Vec3
+    albedo: Vec3
+    hit: bool
+
+
+@kernel
+def set_out(walk, o, d, t_max):
+    """Begin at the camera."""
+    store3(walk, "o", o)
+    store3(walk, "d", d)
+    store3(walk, "beta", WHITE)
+    store3(walk, "L", BLACK)
+    store3(walk, "p_last", o)
+    store3(walk, "n_last", d)
+    store3(walk, "first_p", BLACK)
+    store3(walk, "first_normal", BLACK)
+    store3(walk, "first_albedo", WHITE)
+    walk.t_max, walk.visibility, walk.alpha = t_max, CAMERA, np.float32(1.0)
+    walk.pdf_last = walk.distance = walk.t = ZERO
+    walk.both_sides = walk.both_sides_last = 0
+    walk.bounces = walk.diffuse_bounces = walk.glossy_bounces = walk.transmission_bounces = 0
+    walk.transparent_bounces = walk.ends_here = walk.first_hit = 0
+
+
+@kernel
+def origin_of(walk):
+    """Where the ray was sent from, for MIS."""
+    return Origin(load3(walk, "p_last"), load3(walk, "n_last"), walk.both_sides_last != 0, walk.pdf_last)
+
+
+@kernel
+def advance(scene, settings, walk):
+    """Follow the ray to what it hits, a Hit with a prim of -1 if nothing; gather what shines on the way."""
+    o, d, visibility = load3(walk, "o"), load3(walk, "d"), walk.visibility
+    origin = origin_of(walk)
+    hit = intersect_closest(scene, o, d, walk.t_max, visibility)
+    walk.t = hit.t
+    if scene.world[0].lamp_root >= 0:
+        L = lamp_radiance(scene, o, d, hit.t, origin, walk.distance, visibility)
+        gather(walk, L, limit_of_found(settings, walk))
+    if hit.prim < 0:
+        if visibility == CAMERA and settings.transparent_background != 0:
+            walk.alpha = 1.0 - average(load3(walk, "beta"))
+        else:
+            L = background_radiance(scene, d, origin, visibility)
+            gather(walk, L, limit_of_found(settings, walk))
+    return hit
+
+
+@kernel
+def arrive(scene, settings, walk, hit):
+    """The Interaction with what was hit; gather what shines there."""
+    d = load3(walk, "d")
+    it = make_interaction(scene, hit, load3(walk, "o"), d)
+    if scene.materials[it.material].flags & MaterialFlag.EMISSIVE.value:
+        L = surface_emission(scene, it, d, origin_of(walk), walk.distance + hit.t)
+        gather(walk, L, limit_of_found(settings, walk))
+    return it
+
+
+@kernel
+def is_last(scene, walk, it):
+    """Whether the limits let nothing scatter here; what is transparent has limits of its own."""
+    return walk.ends_here != 0 and not scene.materials[it.material].flags & MaterialFlag.TRANSPARENT.value
+
+
+@kernel
+def gather(walk, L, limit):
+    """Add the radiance `L`, as much of it as gets to the camera; its largest component there is limited unless 0."""
+    L = load3(walk, "beta") * L
+    largest = max_component(L)
+    if limit > 0.0 and largest > limit:
+        L = L * (limit / largest)
+    store3(walk, "L", load3(walk, "L") + L)
+
+
+@kernel
+def limit_of_found(settings, walk):
+    """Limit of light that a ray ran into: direct light until it has scattered twice."""
+    return settings.clamp_direct if walk.bounces <= 1 else settings.clamp_indirect
+
+
+@kernel
+def gather_direct(settings, walk, L):
+    """Add light that was sampled at the vertex."""
+    gather(walk, L, settings.clamp_direct if walk.bounces == 0 else settings.clamp_indirect)
+
+
+@kernel
+def make_bsdf(scene, settings, walk, it, bsdf):
+    """How the vertex scatters; `wo` is against the ray."""
+    wo = -load3(walk, "d")
+    spreads = walk.diffuse_bounces > 0
+    fill_bsdf(
+        scene,
+        it,
+        bsdf,
+        not spreads or settings.reflective_caustics != 0,
+        not spreads or settings.refractive_caustics != 0,
+    )
+    bsdf_dispatch.prepare(bsdf, wo, it.backfacing)
+    walk.both_sides = scene.materials[it.material].flags & MaterialFlag.TRANSMITS.value != 0
+    if walk.first_hit == 0:
+        store3(walk, "first_p", it.p)
+        store3(walk, "first_normal", it.ns)
+        store3(walk, "first_albedo", bsdf_dispatch.albedo(bsdf, wo))
+        walk.first_hit = 1
+    return wo
+
+
+@kernel
+def dimension_of(walk):
+    """The first of the vertex' dimensions of the sampler."""
+    return FIRST_DIMENSION + DIMENSIONS_PER_VERTEX * (walk.bounces + walk.transparent_bounces)
+
+
+@kernel
+def follow(settings, walk, it, s, pdf):
+    """Let the path go on along the BsdfSample `s`; False if it ends. `pdf`: for MIS, as Origin has it."""
+    if s.pdf <= 0.0:
+        return False
+    if s.kind == LobeKind.TRANSPARENT:
+        walk.transparent_bounces += 1
+        if walk.transparent_bounces > settings.transparent_bounces:
+            return False
+        walk.distance += walk.t
+        walk.t_max -= walk.t
+    else:
+        if walk.ends_here != 0:
+            return False
+        count_bounce(settings, walk, s)
+        store3(walk, "p_last", it.p)
+        store3(walk, "n_last", it.ns)
+        walk.both_sides_last, walk.pdf_last, walk.distance, walk.t_max = walk.both_sides, pdf, ZERO, FAR
+    beta = load3(walk, "beta") * s.weight
+    if is_black(beta):
+        return False
+    store3(walk, "beta", beta)
+    store3(walk, "o", offset_ray_origin(it.p, it.ng if dot(s.wi, it.ng) > 0.0 else -it.ng))
+    store3(walk, "d", s.wi)
+    return True
+
+
+@kernel
+def count_bounce(settings, walk, s):
+    walk.bounces += 1
+    if s.is_transmission:
+        walk.transmission_bounces += 1
+        walk.visibility = Visibility.TRANSMISSION.value
+    elif s.kind == LobeKind.DIFFUSE:
+        walk.diffuse_bounces += 1
+        walk.visibility = Visibility.DIFFUSE.value
+    else:
+        walk.glossy_bounces += 1
+        walk.visibility = Visibility.GLOSSY.value
+    walk.ends_here = (
+        walk.bounces > settings.max_bounces
+        or walk.diffuse_bounces > settings.diffuse_bounces
+        or walk.glossy_bounces > settings.glossy_bounces
+        or walk.transmission_bounces > settings.transmission_bounces
+    )
+
+
+@kernel
+def survives(settings, walk, sampler, dimension):
+    """Russian roulette: whether it is worth to go on."""
+    if walk.bounces <= settings.min_bounces:
+        return True
+    # the root keeps dim paths longer than their throughput says, since they may still find a bright light
+    beta = load3(walk, "beta")
+    survival = min(1.0, math.sqrt(max_component(beta)))
+    if sample_1d(sampler, dimension) >= survival:
+        return False
+    store3(walk, "beta", beta * (1.0 / survival))
+    return True
+
+
+@kernel
+def outcome(walk):
+    """What the path brought, at its end."""
+    return PathSample(
+        load3(walk, "L"),
+        walk.alpha,
+        load3(walk, "first_p"),
+        load3(walk, "first_normal"),
+        load3(walk, "first_albedo"),
+        walk.first_hit != 0,
+    )
