@@ -21,6 +21,8 @@ FILTERS = (
 SHAPES = (
     ("MESH", "Mesh", "As it was modelled", 0),
     ("SPHERE", "Sphere", "The sphere, or ellipsoid, that fills the mesh's bounding box", 1),
+    ("BOX", "Box", "The mesh's bounding box", 2),
+    ("QUAD", "Quad", "The rectangle that the mesh's bounding box is without its thinnest side", 3),
 )
 MAX_BOUNCES = 1024
 
@@ -110,12 +112,19 @@ class LambentViewLayerSettings(bpy.types.PropertyGroup):
     )
 
 
+def tag_object(settings, context):
+    """Let the object be evaluated anew: Blender does so by itself where a change is made in the UI, not in a script."""
+    settings.id_data.update_tag()
+
+
 class LambentObjectSettings(bpy.types.PropertyGroup):
     shape: EnumProperty(
         name="Render As",
         items=SHAPES,
         default="MESH",
-        description="Replace the mesh by a perfect shape of the same size: round at any distance, and less to compute",
+        update=tag_object,
+        description="Replace the mesh by a perfect shape of the same size: round at any distance, less to compute, "
+        "and with less noise where it emits",
     )
 
 

@@ -27,6 +27,7 @@ class ShapeKind(IntEnum):
     QUAD = 1  # half edges u and v, front along u x v; a rectangle
     DISK = 2  # half axes u and v, front along u x v; an ellipse
     FACING_DISK = 3  # radius; turned towards whoever looks: Blender's soft point and spot lights
+    BOX = 4  # half edges u and v at right angles, and along u x v a third one of length radius
 
 
 class LobeKind(IntEnum):
@@ -58,11 +59,12 @@ class LightKind(IntEnum):
     POINT = 0  # a sphere, or a facing disk, or with no radius a point
     SPOT = 1  # a point in a cone
     SUN = 2  # a disk of directions
-    QUAD = 3  # a rectangular area light
+    QUAD = 3  # a rectangular area light, or with an instance an emissive analytic quad: see SPHERE
     DISK = 4  # an elliptic area light
     TRIANGLE = 5  # a triangle of an emissive mesh
     BACKGROUND = 6  # the world
     SPHERE = 7  # an emissive analytic sphere of the scene (not a lamp: it blocks light and is opaque)
+    BOX = 8  # an emissive analytic box of the scene
 
 
 class CameraKind(IntEnum):
@@ -191,11 +193,11 @@ LIGHT = np.dtype(
     [
         ("kind", "i4"),  # LightKind
         ("p", "f4", (3,)),  # centre; TRIANGLE: first corner
-        ("u", "f4", (3,)),  # QUAD, DISK: half edges or half axes; TRIANGLE: edge from the first to the second corner;
-        ("v", "f4", (3,)),  # ... to the third; SPOT: see n
+        ("u", "f4", (3,)),  # QUAD, BOX, DISK: half edges or half axes; TRIANGLE: edges from the first corner to
+        ("v", "f4", (3,)),  # the others; SPOT: see n
         ("n", "f4", (3,)),  # unit: direction that an area light faces (u x v), a spot points, sunlight travels. SPOT:
         # a direction w from the lamp is (w.u, w.v, w.n) in the space where its cone is round and its cosine counts
-        ("radius", "f4"),
+        ("radius", "f4"),  # BOX: its third half edge, along n
         ("area", "f4"),
         ("emission", "f4", (3,)),  # radiance, straight ahead where it depends on the angle; is_delta: POINT, SPOT:
         # radiant intensity; SUN, QUAD, DISK: irradiance
@@ -205,9 +207,9 @@ LIGHT = np.dtype(
         ("blend", "f4"),  # SPOT: smoothstep((cosine - cos_angle) * blend) dims its edge; infinite: a sharp edge
         ("spread", "f4"),  # QUAD, DISK: tangent of the half angle that it shines into; infinite: Lambertian
         ("is_delta", "i4"),  # 1: no ray hits it by chance: radius 0, angle 0, spread 0
-        ("two_sided", "i4"),  # TRIANGLE, SPHERE
+        ("two_sided", "i4"),  # TRIANGLE, and analytic shapes of the scene
         ("visibility", "i4"),  # Visibility
-        ("instance", "i4"),  # TRIANGLE, SPHERE: rows of what emits
+        ("instance", "i4"),  # TRIANGLE, and analytic shapes of the scene: rows of what emits; lamps: -1
         ("prim", "i4"),
         ("leaf", "i4"),  # row of LIGHT_NODE * LIGHT_WIDTH + child; -1: outside of the tree, or never selected
         ("share", "f4"),  # probability within its leaf: 1, or less if that holds a pair of rows; 0: never selected

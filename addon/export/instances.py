@@ -13,7 +13,8 @@ import numpy as np
 from ..core import Visibility
 from .light import export_light
 from .material import export_materials
-from .mesh import first_slot, mesh_arrays, point_arrays, sphere_around, without_broken_triangles
+from .mesh import first_slot, mesh_arrays, point_arrays, without_broken_triangles
+from .shape import read_shape
 
 RAYS = {
     "visible_camera": Visibility.CAMERA,
@@ -90,7 +91,7 @@ def _source(context, b_object, geometries):
     if geometry is None:
         return Source(None, (), b_object.name, Visibility.ALL, 0)
     materials = export_materials(context, b_object)
-    if type(b_object.data).__name__ != "Mesh" or _is_sphere(b_object):
+    if type(b_object.data).__name__ != "Mesh" or _shape(b_object) != "MESH":
         materials = (materials[min(first_slot(b_object.data), len(materials) - 1)],)
     for flag, text in (
         (b_object.is_shadow_catcher, "shadow catchers are not rendered yet; it is an ordinary object"),
@@ -105,15 +106,14 @@ def _geometry(context, b_object, geometries):
     """Number of the object's geometry in the builder; None if it has no surface. Objects that share their evaluated
     data share it: a mesh that no modifier has changed, all instances of an object."""
     b_data, name = b_object.data, b_object.name
-    is_sphere = _is_sphere(b_object)
-    key = b_data.as_pointer(), is_sphere
+    shape = _shape(b_object)
+    key = b_data.as_pointer(), shape
     if key in geometries:
         return geometries[key]
     geometry = None
     kind = type(b_data).__name__
     if kind == "Mesh":
-        read = _read_sphere if is_sphere else _read_mesh
-        geometry = read(context, name, b_data)
+        geometry = _read_mesh(context, name, b_data) if shape == "MESH" else read_shape(context, name, b_data, shape)
     elif kind == "PointCloud" and len(b_data.points):
         geometry = context.builder.spheres(name, *point_arrays(b_data))
     elif b_object.type in NOT_RENDERED:
@@ -122,9 +122,9 @@ def _geometry(context, b_object, geometries):
     return geometry
 
 
-def _is_sphere(b_object):
-    """Whether the artist marked it to be rendered as a perfect sphere."""
-    return getattr(getattr(b_object, "lambent", None), "shape", "MESH") == "SPHERE"
+def _shape(b_object):
+    """What the artist wants it to be rendered as."""
+    return getattr(getattr(b_object, "lambent", None), "shape", "MESH")
 
 
 def _read_mesh(context, name, b_mesh):
@@ -135,10 +135,6 @@ def _read_mesh(context, name, b_mesh):
     if broken:
         context.warn(name, f"{broken} triangles have corners that are not finite numbers; they are left out")
     return context.builder.mesh(name, *arrays) if len(arrays.triangles) else None
-
-
-def _read_sphere(context, name, b_mesh):
-    return context.builder.spheres(name, *sphere_around(b_mesh)) if len(b_mesh.vertices) else None
 
 
 def _visibility(context, b_object):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Geometry as arrays: triangles of a mesh, spheres of a point cloud or of an object marked to be one.
+"""Geometry as arrays: triangles of a mesh, spheres of a point cloud.
 
 Only ways that copy a whole array at once are used. For a mesh of 524,000 triangles: positions by the attribute 1 ms,
 through `vertices` 12 ms; corners by `.corner_vert` 1 ms, through `loop_triangles` 150 ms.
@@ -29,6 +29,11 @@ def read(collection, name, count, dtype, size=1):
     return array if size == 1 else array.reshape(count, size)
 
 
+def mesh_positions(b_mesh):
+    """Where the vertices are, float32 (v, 3)."""
+    return read(b_mesh.attributes["position"].data, "vector", len(b_mesh.vertices), np.float32, 3)
+
+
 def mesh_arrays(b_mesh):
     """Triangles of an evaluated mesh as MeshArrays; None if it has none.
 
@@ -38,7 +43,7 @@ def mesh_arrays(b_mesh):
     count = len(b_mesh.loop_triangles)
     if count == 0:
         return None
-    positions = read(b_mesh.attributes["position"].data, "vector", len(b_mesh.vertices), np.float32, 3)
+    positions = mesh_positions(b_mesh)
     vertices = read(b_mesh.attributes[".corner_vert"].data, "value", len(b_mesh.loops), np.int32)
     corners = _corners(b_mesh, count)
     triangles = vertices[corners]
@@ -103,14 +108,6 @@ def point_arrays(b_points):
     if radius is None:
         return centres, np.full(count, DEFAULT_RADIUS, np.float32)
     return centres, np.maximum(read(radius.data, "value", count, np.float32), 0.0)
-
-
-def sphere_around(b_mesh):
-    """Centre (1, 3) and radius (1,) of the sphere that a mesh stands for: the middle of its bounding box, and half the
-    longest side."""
-    positions = read(b_mesh.attributes["position"].data, "vector", len(b_mesh.vertices), np.float32, 3)
-    low, high = positions.min(axis=0), positions.max(axis=0)
-    return (low + high)[None] / 2.0, (high - low).max(keepdims=True) / 2.0
 
 
 def first_slot(b_data):

@@ -7,6 +7,7 @@ import pytest
 
 import addon
 from blender_tests.helpers.exported import add, empty_scene, export, mesh, placement, square, world_triangles
+from engine_core.tables import ShapeKind
 
 RIDGE = [(-1, 0, 0), (0, 0, 1), (1, 0, 0), (-1, 2, 0), (0, 2, 1), (1, 2, 0)], [(0, 1, 4, 3), (1, 2, 5, 4)]
 LEFT, RIGHT = np.array([-1, 0, 1]) / 2**0.5, np.array([1, 0, 1]) / 2**0.5  # normals of the ridge's faces
@@ -252,3 +253,52 @@ def test_an_object_marked_as_a_sphere_is_one_and_its_copies_too():
     assert np.diag(found.to_world) == pytest.approx([1, 1, 2, 1])
     assert len(placement(builder, "Plain")[1].triangles) > 500  # the mark is the object's, not the mesh's
     assert warnings == []
+
+
+def marked(shape):
+    """The mesh that is the active object, marked; exported: its geometry, and the warnings."""
+    b_object = bpy.context.object
+    b_object.lambent.shape = shape
+    builder, warnings = export()
+    return placement(builder, b_object.name)[1], warnings
+
+
+@pytest.mark.usefixtures("registered")
+def test_a_cube_marked_as_a_box_is_one():
+    empty_scene()
+    bpy.ops.mesh.primitive_cube_add(size=2, location=(1, 2, 3), rotation=(0.1, 0.2, 0.3), scale=(1, 2, 3))
+    shape, warnings = marked("BOX")
+    (row,) = shape.rows
+    assert row["kind"] == ShapeKind.BOX
+    np.testing.assert_allclose([row["p"], row["u"], row["v"]], [[0, 0, 0], [1, 0, 0], [0, 2, 0]], atol=1e-6)
+    assert row["radius"] == pytest.approx(3.0)
+    assert warnings == []
+
+
+@pytest.mark.usefixtures("registered")
+@pytest.mark.parametrize("axis", [0, 1, 2])
+@pytest.mark.parametrize("side", [-1, 1])
+@pytest.mark.parametrize("mark", ["QUAD", "BOX"])
+def test_a_plane_marked_as_a_quad_or_a_box_is_a_quad_with_the_same_front(axis, side, mark):
+    empty_scene()
+    corners = np.roll([(-1, -2, 0.5), (1, -2, 0.5), (1, 2, 0.5), (-1, 2, 0.5)], axis, axis=1)[::side]
+    add("Plane", mesh("Plane", corners.tolist(), [(0, 1, 2, 3)]))
+    bpy.context.view_layer.objects.active = bpy.data.objects["Plane"]
+    shape, warnings = marked(mark)
+    (row,) = shape.rows
+    assert row["kind"] == ShapeKind.QUAD
+    np.testing.assert_allclose(row["p"], np.roll([0, 0, 0.5], axis), atol=1e-6)
+    np.testing.assert_allclose(np.abs(row["u"]) + np.abs(row["v"]), np.roll([1, 2, 0], axis), atol=1e-6)
+    np.testing.assert_allclose(np.cross(row["u"], row["v"]), np.roll([0, 0, 2 * side], axis), atol=1e-6)
+    assert warnings == []
+
+
+@pytest.mark.usefixtures("registered")
+@pytest.mark.parametrize(("mark", "what"), [("QUAD", "flat rectangle"), ("BOX", "a box"), ("SPHERE", "a sphere")])
+def test_a_mesh_far_from_the_shape_it_is_marked_as_is_named(mark, what):
+    empty_scene()
+    bpy.ops.mesh.primitive_cone_add()
+    shape, (warning,) = marked(mark)
+    assert len(shape.rows) == 1
+    assert warning.startswith("Cone: is marked")
+    assert what in warning

@@ -61,6 +61,14 @@ CASES = {
     "background": (light(Kind.BACKGROUND), (0, 0, 0)),
     "sphere": (light(Kind.SPHERE, radius=0.6, two_sided=1), (0.3, 0.2, 0.1)),
     "sphere, from within": (light(Kind.SPHERE, radius=0.6, two_sided=1), (0.3, 0.2, 1.1)),
+    "quad, from behind": (light(Kind.QUAD, **ASKEW, two_sided=1), before(0.1, 0.0, -0.9)),
+    "box, one face": (light(Kind.BOX, **ASKEW, radius=0.5), before(0.1, 0.0, 0.9)),
+    "box, two faces": (light(Kind.BOX, **ASKEW, radius=0.5), before(1.3, 0.1, -0.8)),
+    "box, three faces": (light(Kind.BOX, **ASKEW, radius=0.5), before(1.1, -0.7, 0.9)),
+    "box, far": (light(Kind.BOX, **ASKEW, radius=0.5), before(-20.0, 30.0, 15.0)),
+    "box, flat": (light(Kind.BOX, **ASKEW, radius=0.01), before(1.5, 0.1, 0.4)),
+    "box, from within": (light(Kind.BOX, **ASKEW, radius=0.5, two_sided=1), before(0.3, -0.1, 0.2)),
+    "box, from its surface": (light(Kind.BOX, **ASKEW, radius=0.5, two_sided=1), before(0.3, -0.1, 0.5)),
 }
 SIGNIFICANCE = significance_of_one_of(len(CASES))
 DELTAS = {
@@ -133,8 +141,9 @@ def test_area_lights_are_dark_from_behind(name):
     assert (radiance == 0.0).all()
 
 
-def test_one_sided_spheres_are_dark_inside():
-    row = light(Kind.SPHERE, radius=0.6)
+@pytest.mark.parametrize("kind", [Kind.SPHERE, Kind.BOX])
+def test_one_sided_bodies_are_dark_inside(kind):
+    row = light(kind, radius=0.6)
     assert (sample_light(row, (0.1, 0, 1), random_numbers(100)).pdf == 0.0).all()
     _, density, radiance = hit_light(row, (0.1, 0, 1), np.array([[1.0, 0, 0]]))
     assert density == 0.0
@@ -164,6 +173,15 @@ def test_one_sided_spheres_are_dark_inside():
         (light(Kind.SPHERE, radius=0.0), (0, 0, 0)),
         (light(Kind.SPHERE, radius=0.5), (0, 0, 0.5)),
         (light(Kind.SPHERE, radius=0.5), (0, 0, 1)),
+        (light(Kind.QUAD, two_sided=1), (0.3, 0.2, 1)),
+        (light(Kind.BOX, radius=0.5), (0, 0, 1)),
+        (light(Kind.BOX, radius=0.5), (0.2, 0.1, 0.5)),
+        (light(Kind.BOX, radius=0.5), (1, 1, 0.5)),
+        (light(Kind.BOX, radius=0.5, two_sided=1), (1, 1, 0.5)),
+        (light(Kind.BOX, radius=0.5, two_sided=1), (1, 0, 0.5)),
+        (light(Kind.BOX, radius=0.5, two_sided=1), (1, 0, 1)),
+        (light(Kind.BOX, radius=0.5, two_sided=1), (2, 0, 0.5)),
+        (light(Kind.BOX, radius=1e-12), (0, 0, 0)),
     ],
 )
 def test_degenerate_cases_give_numbers(row, p):
@@ -219,6 +237,24 @@ def test_triangles_light_as_lambert_says(p):
     np.testing.assert_allclose(
         irradiance(row, p, n), polygon_irradiance([first, first + u, first + v], p, n), rtol=1e-3
     )
+
+
+@pytest.mark.parametrize("p", [(0.1, 0.0, 0.9), (1.3, 0.1, 0.6), (1.1, -0.7, 0.9), (30.0, 20.0, -40.0)])
+def test_boxes_light_as_the_outline_of_their_faces_says(p):
+    """Each face that is turned to the point is a polygon of Lambert's formula."""
+    row = light(Kind.BOX, **ASKEW, radius=0.5)
+    eye = before(*p)
+    centre, u, v = (row[name][0].astype(float) for name in "puv")
+    edges = u, v, 0.5 * row["n"][0].astype(float)
+    n = (centre - eye) / np.linalg.norm(centre - eye)  # the whole box is above the horizon
+    expected = 0.0
+    for i, across in enumerate(edges):
+        for side in (across, -across):
+            if (eye - centre - side) @ side > 0:
+                a, b = edges[i - 1], edges[i - 2]
+                corners = [centre + side + x * a + y * b for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+                expected = expected + polygon_irradiance(corners, eye, n)
+    np.testing.assert_allclose(irradiance(row, eye, n), expected, rtol=2e-3)
 
 
 def test_a_corner_above_has_its_textbook_form_factor():

@@ -145,6 +145,7 @@ BOUNDED = {
     "triangle": light(Kind.TRIANGLE, **SIZE),
     "two-sided triangle": light(Kind.TRIANGLE, **SIZE, two_sided=1),
     "sphere": light(Kind.SPHERE, radius=0.2),
+    "two-sided quad": light(Kind.QUAD, **SIZE, two_sided=1),
 }
 
 
@@ -153,6 +154,14 @@ def test_intensity_is_what_arrives_straight_ahead(name):
     row = BOUNDED[name]
     received = irradiance(row, row["p"][0] + (0, 0, -400.0), UP).mean() * 400.0**2
     assert intensity(row)[0] == pytest.approx(received, rel=2e-3)
+
+
+def test_intensity_of_a_box_is_what_arrives_where_most_of_it_is_seen():
+    row = light(Kind.BOX, **SIZE, radius=0.2)
+    directions = np.random.default_rng(3).normal(size=(2000, 3))
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    received = max(irradiance(row, row["p"][0] + 400.0 * d, -d, 5).mean() for d in directions) * 400.0**2
+    assert intensity(row)[0] == pytest.approx(received, rel=5e-3)
 
 
 @pytest.mark.parametrize("name", ["quad", "narrow quad", "disk", "narrow disk"])

@@ -50,6 +50,8 @@ def mixture(count, seed=0, offset=0.0):
         lambda a, s: light(Kind.DISK, u=s * a[0], v=a[1], spread=0.2 * s),
         lambda a, s: light(Kind.TRIANGLE, u=s * a[0], v=a[1] + 0.3 * a[0]),
         lambda a, s: light(Kind.TRIANGLE, u=s * a[0], v=a[1], two_sided=1),
+        lambda a, s: light(Kind.QUAD, u=s * a[0], v=0.5 * a[1], two_sided=1),
+        lambda a, s: light(Kind.BOX, u=s * a[0], v=0.5 * a[1], radius=0.3 * s, two_sided=int(s > 0.5)),
     ]
     axes, sizes = frames(rng, count), 0.05 + 0.9 * rng.random(count)
     rows = np.concatenate([makers[i % len(makers)](axes[i], sizes[i]) for i in range(count)])

@@ -251,6 +251,111 @@ def test_a_facing_disk_turns_to_its_viewer():
     assert np.isinf(trace(shape(ShapeKind.FACING_DISK, centre, radius=radius), near, near - centre)["t"]).all()
 
 
+# ---- Boxes -----------------------------------------------------------------------------------------------------------
+
+TURN = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
+BOXES = [((0.3, -0.2, 0.1), (1.0, 0.5, 2.0)), ((5.0, 60.0, 70.0), (0.01, 3.0, 1.0)), ((0, 0, -500), (500, 500, 500))]
+
+
+def box(centre, half, axes=TURN):
+    return shape(ShapeKind.BOX, centre, half[0] * axes[0], half[1] * axes[1], half[2])
+
+
+def box_t(centre, half, o, d, axes=TURN):
+    """Distances to entering and leaving, in float64; NaN: never."""
+    at, along = (np.asarray(o, np.float64) - np.float32(centre)) @ axes.T, np.asarray(d, np.float64) @ axes.T
+    first, second = (-np.float64(half) - at) / along, (half - at) / along
+    near, far = np.minimum(first, second).max(axis=1), np.maximum(first, second).min(axis=1)
+    return np.where(near <= far, [near, far], np.nan)
+
+
+@pytest.mark.parametrize(("centre", "half"), BOXES)
+@pytest.mark.parametrize("where", ["outside", "inside"])
+def test_boxes_are_hit_where_their_slabs_say(centre, half, where):
+    half, size = np.array(half), max(half)
+    spread = 3.0 * size if where == "outside" else 0.99 * half
+    at = RANDOM.uniform(-1, 1, (4000, 3)) * spread
+    at = at[(np.abs(at) > 1.01 * half).any(axis=1) == (where == "outside")]
+    target = RANDOM.uniform(-1.1, 1.1, at.shape) * half
+    o = np.float32(np.float32(centre) + at @ TURN)
+    d = np.float32((np.float32(centre) + target @ TURN - o) * 0.4)
+    hits = trace(box(centre, half), o, d)
+    near, far = box_t(centre, half, o, d)
+    expected = np.where(near > 0, near, far)
+    rough = 1e-6 * (np.abs(centre).max() + size)  # where float32 puts points, against the edges that rays might miss
+    aside = [box_t(centre, half * (1 + s * rough / half), o, d)[0] for s in (-1, 1)]
+    clear = np.isfinite(aside[0]) == np.isfinite(aside[1])
+    clear &= ~(expected < 0)
+    np.testing.assert_array_equal(np.isfinite(hits["t"])[clear], np.isfinite(expected)[clear])
+    met = clear & np.isfinite(expected)
+    assert met.sum() > 500
+    error = np.abs(hits["t"] - expected)[met] * np.linalg.norm(d[met], axis=1)
+    p = (hits["p"].astype(np.float64) - np.float32(centre)) @ TURN.T
+    steep = np.abs(dots(hits["n"], d))[met] / np.linalg.norm(d[met], axis=1) > 0.1
+    assert (error[steep] < 30 * rough).all()
+    on_face = np.abs(np.abs(p) - half).min(axis=1)
+    assert (on_face[met] < 3 * rough).all()
+    local_n = hits["n"] @ TURN.T
+    axis = np.argmax(np.abs(local_n), axis=1)
+    rows = np.arange(len(hits))
+    np.testing.assert_allclose(np.abs(local_n[rows, axis]), 1.0, atol=1e-5)
+    assert (np.abs(p[rows, axis] - np.sign(local_n[rows, axis]) * half[axis])[met] < 3 * rough).all()
+    outwards = dots(hits["n"], d) > 0
+    np.testing.assert_array_equal(outwards[met][steep], (near <= 0)[met][steep])
+
+
+@pytest.mark.parametrize(("centre", "half"), BOXES)
+@pytest.mark.parametrize("leaves", [True, False])
+def test_a_ray_from_the_surface_of_a_box_does_not_hit_it_there(centre, half, leaves):
+    """Outwards it meets nothing, inwards the other side: 256 steps of floats away from the surface, as paths go."""
+    half = np.array(half)
+    axis, sign = RANDOM.integers(3, size=3000), RANDOM.choice([-1.0, 1.0], 3000)
+    at = RANDOM.uniform(-0.999, 0.999, (3000, 3)) * half
+    rows = np.arange(3000)
+    at[rows, axis] = sign * half[axis]
+    n = sign[:, None] * TURN[axis]
+    p = np.float32(np.float32(centre) + at @ TURN)
+    d = directions(3000)
+    d *= (np.sign(dots(n, d)) * (1 if leaves else -1))[:, None].astype(np.float32)
+    o = np.array([[*offset_ray_origin(Vec3(*a), Vec3(*b))] for a, b in zip(p, n if leaves else -n, strict=True)])
+    o = o.astype(np.float32)
+    t = trace(box(centre, half), o, d)["t"]
+    if leaves:
+        assert np.isinf(t).all()
+    else:
+        near, far = box_t(centre, half, o, d)
+        deep = (np.abs(dots(n, d)) > 0.05) & (far > 1e-3 * half.max()) & (near < 0)  # some start beside an edge
+        assert deep.mean() > 0.8
+        np.testing.assert_allclose(t[deep], far[deep], rtol=1e-2)
+
+
+def test_boxes_heed_both_ends_of_the_ray_and_their_planes():
+    row = box((0, 0, 5), (1, 1, 2), np.eye(3))
+    for t_min, t_max, t in ((0, FAR, 3), (3.5, FAR, 7), (0, 2.9, np.inf), (3.5, 6.9, np.inf), (7.5, FAR, np.inf)):
+        assert trace(row, [0, 0, 0], [0, 0, 1], t_min, t_max)["t"][0] == pytest.approx(t)
+    assert trace(row, [0.5, 0, 0], [0, 0, 2])["t"][0] == pytest.approx(1.5)
+    assert np.isinf(trace(row, [1, 0, 0], [0, 0, 1])["t"][0])  # within the plane of a side
+    assert np.isinf(trace(row, [2, 0, 0], [0, 0, 1])["t"][0])
+    assert np.isinf(trace(row, [0, 0, 0], [0, 0, -1])["t"][0])
+
+
+def test_each_face_of_a_box_is_mapped_upright_and_not_mirrored():
+    """Seen from outside, u runs to the right where v runs upwards."""
+    row = box((0, 0, 0), (1, 2, 3), np.eye(3))
+    for axis in range(3):
+        for side in (-1.0, 1.0):
+            n = side * np.eye(3)[axis]
+            up = np.eye(3)[1 if axis == 2 else 2]
+            right = np.cross(up, n)
+            for x, y in ((0.5, 0.5), (-0.5, 0.25)):
+                p = (n + x * right + y * up) * (1, 2, 3)
+                (hit,) = trace(row, np.float32([p + n]), np.float32(-n))
+                np.testing.assert_allclose(hit["uv"], [0.5 + x / 2, 0.5 + y / 2], atol=1e-6)
+
+
+# ---- Triangles -------------------------------------------------------------------------------------------------------
+
+
 def test_triangle_is_hit_within_its_corners():
     p = RANDOM.normal(size=(3, 3))
     b = RANDOM.uniform(-0.5, 1.5, (2000, 2))
@@ -276,7 +381,8 @@ def test_triangle_is_hit_within_its_corners():
 @pytest.mark.parametrize("kind", list(ShapeKind))
 def test_bounds_contain_every_hit_and_are_tight(kind):
     c = np.array([10.0, -3.0, 2.0])
-    row = shape(kind, c, SLANTED["u"], SLANTED["v"], radius=0.6)
+    v = (-0.16, 0.4, 0.2) if kind == ShapeKind.BOX else SLANTED["v"]  # boxes have right angles
+    row = shape(kind, c, SLANTED["u"], v, radius=0.6)
     lo, hi = dispatch.bounds(row)
     o = c + 3 * directions(100_000)
     d = c + RANDOM.uniform(-1.1, 1.1, (100_000, 3)) - o

@@ -13,7 +13,12 @@ from engine_core.shape.dispatch import intersect
 from engine_core.tables import LIGHT, LIGHT_NODE, SHAPE, WORLD, LightKind, ShapeKind
 
 EMISSION = (3.0, 2.0, 1.0)
-SHAPES = {LightKind.QUAD: ShapeKind.QUAD, LightKind.DISK: ShapeKind.DISK, LightKind.SPHERE: ShapeKind.SPHERE}
+SHAPES = {
+    LightKind.QUAD: ShapeKind.QUAD,
+    LightKind.DISK: ShapeKind.DISK,
+    LightKind.SPHERE: ShapeKind.SPHERE,
+    LightKind.BOX: ShapeKind.BOX,
+}
 
 
 class OneLight(Tables):
@@ -31,12 +36,14 @@ def light(kind, **fields):
     row["p"], row["u"], row["v"], row["n"] = (0, 0, 1), (1, 0, 0), (0, -1, 0), (0, 0, -1)
     for name, value in fields.items():
         row[name] = value
-    if kind in (LightKind.QUAD, LightKind.DISK, LightKind.TRIANGLE):
+    if kind in (LightKind.QUAD, LightKind.DISK, LightKind.TRIANGLE, LightKind.BOX):
         u, v = row["u"][0].astype(float), row["v"][0].astype(float)
         normal = np.cross(u, v)
         row["n"] = normal / max(np.linalg.norm(normal), 1e-30)
-        shape_area = {LightKind.QUAD: 4.0, LightKind.DISK: np.pi, LightKind.TRIANGLE: 0.5}[kind]
+        shape_area = {LightKind.QUAD: 4.0, LightKind.DISK: np.pi, LightKind.TRIANGLE: 0.5, LightKind.BOX: 8.0}[kind]
         row["area"] = np.linalg.norm(normal) * shape_area
+        if kind == LightKind.BOX:
+            row["area"] += 8.0 * row["radius"] * (np.linalg.norm(u) + np.linalg.norm(v))
     return row
 
 

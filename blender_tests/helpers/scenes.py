@@ -44,6 +44,19 @@ def cube(b, surface, to_world=None, **options):
     b.instance(b.mesh("cube", CUBE_CORNERS, CUBE_TRIANGLES), matrix, [material], **options)
 
 
+def box(b, surface, to_world=None, **options):
+    """Add an analytic box, from -1 to 1."""
+    matrix = np.eye(4) if to_world is None else to_world
+    b.instance(b.boxes("box", [(0, 0, 0)], [(1, 1, 1)]), matrix, [b.material("box", surface)], **options)
+
+
+def quad(b, surface, to_world=None, **options):
+    """Add an analytic square in the xy plane, from -1 to 1, facing up."""
+    matrix = np.eye(4) if to_world is None else to_world
+    geometry = b.quads("quad", [(0, 0, 0)], [(1, 0, 0)], [(0, 1, 0)])
+    b.instance(geometry, matrix, [b.material("quad", surface)], **options)
+
+
 def plane(b, surface, half=1.0, z=0.0):
     """Add a square in the plane at height `z`, facing up."""
     corners = np.array([[-half, -half, z], [half, -half, z], [half, half, z], [-half, half, z]], np.float32)

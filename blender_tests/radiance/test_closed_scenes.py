@@ -6,7 +6,18 @@ import math
 import numpy as np
 import pytest
 
-from blender_tests.helpers.scenes import builder, cube, mean_and_error, picture, plane, sphere
+from blender_tests.helpers.scenes import (
+    CUBE_CORNERS,
+    CUBE_TRIANGLES,
+    box,
+    builder,
+    cube,
+    mean_and_error,
+    picture,
+    plane,
+    quad,
+    sphere,
+)
 from engine_core.scene.materials import Add, Diffuse, Emission, Glass, Metallic, Mix, Transparent
 from engine_core.settings import IntegratorKind
 from engine_core.tables import Visibility
@@ -21,8 +32,14 @@ def assert_radiance(image, expected, tolerance=0.005):
     assert mean == pytest.approx(np.broadcast_to(expected, 3), abs=max(4 * error.max(), 1e-4 * np.max(expected)))
 
 
+def turned_about_z(angle, scale, position):
+    """Transform (3, 4)."""
+    c, s = math.cos(angle), math.sin(angle)
+    return np.column_stack([np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]) * scale, position])
+
+
 @pytest.mark.parametrize("integrator", INTEGRATORS)
-@pytest.mark.parametrize("shape", [sphere, cube])
+@pytest.mark.parametrize("shape", [sphere, cube, box])
 def test_glowing_furnace_has_the_radiance_of_its_series(shape, integrator):
     """Emission 0.5 and albedo 0.5 all around: 0.5 + 0.25 + 0.125 ... = 1."""
     b = builder()
@@ -58,6 +75,20 @@ def test_lamp_in_the_centre_of_a_sphere(radius, soft):
 
 
 @pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_a_furnace_of_quads_has_the_radiance_of_its_series(integrator):
+    b = builder()
+    glow = Add(Diffuse((0.5, 0.5, 0.5)), Emission((1, 1, 1), 0.5))
+    for axis in range(3):
+        for side in (-1.0, 1.0):
+            to_world = np.eye(4)
+            to_world[:3, :3] = np.roll(np.eye(3), axis, axis=1)
+            to_world[:3, 3] = side * to_world[:3, 2]
+            quad(b, glow, to_world)
+    assert_radiance(picture(b, samples=64, integrator=integrator), 1.0)
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+@pytest.mark.parametrize("body", [sphere, box])
 @pytest.mark.parametrize(
     "surface",
     [
@@ -68,9 +99,9 @@ def test_lamp_in_the_centre_of_a_sphere(radius, soft):
         Mix(0.3, Glass((1, 1, 1), roughness=0.0, ior=1.33), Diffuse((1, 1, 1))),
     ],
 )
-def test_white_things_vanish_in_a_white_world(surface, integrator):
+def test_white_things_vanish_in_a_white_world(surface, body, integrator):
     b = builder(eye=(0, -3, 0))
-    sphere(b, surface)
+    body(b, surface)
     b.background((1, 1, 1))
     assert_radiance(picture(b, samples=64, integrator=integrator, transparent_bounces=1000), 1.0)
 
@@ -119,7 +150,7 @@ def test_transparent_background_leaves_alpha():
     assert image[..., :3].mean() == pytest.approx(0.5 + 0.25, abs=0.01)
 
 
-@pytest.mark.parametrize("kind", ["mesh", "sphere", "area", "point", "ball", "sun"])
+@pytest.mark.parametrize("kind", ["mesh", "sphere", "box", "quad", "area", "point", "ball", "sun"])
 def test_light_sampling_and_luck_agree(kind):
     """The path integrator and brute force see the same room, whatever lights it."""
     b = builder(eye=(0, -0.9, 0.3), target=(0, 0, -0.3), field_of_view=70)
@@ -133,6 +164,9 @@ def test_light_sampling_and_luck_agree(kind):
         cube(b, Emission((1, 0.9, 0.8), 4.0), lamp)
     elif kind == "sphere":
         sphere(b, Emission((1, 0.9, 0.8), 4.0), (0, 0, 0.6), 0.3)
+    elif kind in ("box", "quad"):
+        lamp[:3] = turned_about_z(0.5, (0.3, 0.2, 0.15), (0.1, 0, 0.6))
+        (box if kind == "box" else quad)(b, Emission((1, 0.9, 0.8), 4.0), lamp)
     elif kind == "area":
         b.area_light("Lamp", lamp, (10, 9, 8), 0.8, 0.6)
     elif kind in ("point", "ball"):
@@ -146,3 +180,44 @@ def test_light_sampling_and_luck_agree(kind):
     mean, error = mean_and_error(pictures[0] - pictures[1])
     assert (np.abs(mean) < 4 * error).all()
     assert error.max() < 0.02 * pictures[0][..., :3].mean()
+
+
+@pytest.mark.parametrize("shared", [False, True])
+@pytest.mark.parametrize("squeeze", [(1.0, 1.0, 1.0), (0.5, 1.3, 0.8)])
+def test_analytic_boxes_and_quads_look_like_those_of_triangles(squeeze, shared):
+    """Turned and scaled, in the world or behind instances, lighting and lit: the same picture but for noise."""
+    pictures = []
+    for analytic in (False, True):
+        b = builder(eye=(0, -5, 2.5), field_of_view=50)
+        plane(b, Diffuse((0.7, 0.7, 0.7)), half=6, z=-1.0)
+        grey, glow = b.material("Grey", Diffuse((0.6, 0.4, 0.3))), b.material("Glow", Emission((1, 0.8, 0.6), 5.0))
+        if analytic:
+            block, sheet = (
+                b.boxes("box", [(0, 0, 0)], [(1, 1, 1)]),
+                b.quads("quad", [(0, 0, 0)], [(1, 0, 0)], [(0, 1, 0)]),
+            )
+        else:
+            block = b.mesh("box", CUBE_CORNERS, CUBE_TRIANGLES)
+            corners = [(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)]
+            sheet = b.mesh("quad", corners, [[0, 1, 2], [0, 2, 3]])
+        for geometry, material, angle, position in (
+            (block, grey, 0.7, (-1.5, 0, 0)),
+            (block, glow, 0.3, (2, 1, 1)),
+            (sheet, grey, 0.4, (0.5, -1, 0)),
+            (sheet, glow, -0.5, (-0.5, 0, 2)),
+        ):
+            matrix = np.eye(4)
+            matrix[:3] = turned_about_z(angle, np.multiply(squeeze, 0.6), position)
+            b.instance(geometry if shared else copy_of(b, geometry), matrix, [material])
+        pictures.append(picture(b, size=24, samples=256, seed=int(analytic), max_bounces=4))
+        assert b.warnings == []
+    mean, error = mean_and_error(pictures[0] - pictures[1])
+    assert (np.abs(mean) < 4 * error).all()
+    assert error.max() < 0.02 * pictures[0][..., :3].mean()
+    assert np.abs(pictures[0] - pictures[1])[..., :3].mean() < 0.1 * pictures[0][..., :3].mean()
+
+
+def copy_of(b, geometry):
+    """Another geometry of the same rows, so that each stands in the world once."""
+    b.geometries.append(b.geometries[geometry])
+    return len(b.geometries) - 1

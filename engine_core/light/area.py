@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What rectangular and elliptic area lights share: the plane they lie in, and how wide they shine (spread).
 
-They shine from their front alone, Lambertian, or narrowed as by a grid of slats in front of them: at an angle with the
+Lamps shine from their front alone, Lambertian, or narrowed as by a grid of slats in front of them: at an angle with the
 tangent x the slats leave 1 - x / spread to see, where `spread` is the tangent of the widest angle that light leaves at
 (Cycles: kernel/light/area.h). With a spread of 0 all light leaves straight ahead, as a beam.
 """
@@ -34,10 +34,12 @@ class View(NamedTuple):
 
 @kernel
 def view_from(light, p):
-    u, v, axis_z = load3(light, "u"), load3(light, "v"), -load3(light, "n")
+    u, v, n = load3(light, "u"), load3(light, "v"), load3(light, "n")
     half_x, half_y = length(u), length(v)
     axis_x, axis_y = u * (1.0 / half_x), v * (1.0 / half_y)
     to_centre = load3(light, "p") - p
+    is_behind = light.two_sided != 0 and dot(to_centre, n) > 0.0
+    axis_z = n if is_behind else -n
     x, y, z = dot(to_centre, axis_x), dot(to_centre, axis_y), dot(to_centre, axis_z)
     x0, x1, y0, y1 = x - half_x, x + half_x, y - half_y, y + half_y
     if light.spread < LAMBERTIAN:
@@ -65,6 +67,8 @@ def sample_towards(light, view, x, y, density):
 @kernel
 def emitted(light, wi):
     cosine = -dot(wi, load3(light, "n"))
+    if light.two_sided != 0:
+        cosine = abs(cosine)
     return load3(light, "emission") * slats(light, cosine) if cosine > 0.0 else BLACK
 
 

@@ -46,7 +46,8 @@ def intensity(lights):
     disk = np.pi * lights["radius"].astype(np.float64) ** 2
     is_flat = np.isin(kind, (LightKind.TRIANGLE, LightKind.QUAD, LightKind.DISK))
     is_round = np.isin(kind, (LightKind.POINT, LightKind.SPOT, LightKind.SPHERE))
-    surface = np.select([is_flat, is_round & ~is_delta, is_round], [lights["area"].astype(np.float64), disk, 1.0])
+    kinds = [is_flat, kind == LightKind.BOX, is_round & ~is_delta, is_round]
+    surface = np.select(kinds, [lights["area"].astype(np.float64), _largest_outline(lights), disk, 1.0])
     return _emission(lights) * surface
 
 
@@ -100,6 +101,13 @@ def _emission(lights):
     return lights["emission"].astype(np.float64).mean(axis=-1)
 
 
+def _largest_outline(lights):
+    """Of boxes: the largest area that they are seen with, the length of a vector of the areas of faces: (n,)."""
+    x, y = (np.linalg.norm(lights[name].astype(np.float64), axis=1) for name in "uv")
+    z = lights["radius"].astype(np.float64)
+    return 4.0 * np.sqrt((x * y) ** 2 + (y * z) ** 2 + (z * x) ** 2)
+
+
 def _corners(lights):
     """Of triangles: (n, 3 corners, 3)."""
     p, u, v = (lights[name].astype(np.float64) for name in ("p", "u", "v"))
@@ -113,7 +121,9 @@ def _boxes(lights):
     corners = _corners(lights)
     is_triangle = kind == LightKind.TRIANGLE
     radius = np.where(lights["is_delta"] != 0, 0.0, lights["radius"]).astype(np.float64)[:, None]
-    half = np.select([kind == LightKind.QUAD, kind == LightKind.DISK], [np.abs(u) + np.abs(v), np.hypot(u, v)], radius)
+    flat = np.abs(u) + np.abs(v)
+    kinds = {LightKind.QUAD: flat, LightKind.DISK: np.hypot(u, v), LightKind.BOX: flat + radius * np.abs(lights["n"])}
+    half = np.select([kind == k for k in kinds], list(kinds.values()), radius)
     low = np.where(is_triangle, corners.min(axis=1), p - half)
     high = np.where(is_triangle, corners.max(axis=1), p + half)
     return low, high
@@ -127,7 +137,7 @@ def _cones(lights):
     """
     kind = lights["kind"]
     theta_o, theta_e = np.zeros(len(lights)), np.full(len(lights), np.pi / 2.0)
-    theta_o[(kind == LightKind.POINT) | (kind == LightKind.SPHERE)] = np.pi
+    theta_o[np.isin(kind, (LightKind.POINT, LightKind.SPHERE, LightKind.BOX))] = np.pi
     flat = (kind == LightKind.QUAD) | (kind == LightKind.DISK)
     theta_e[flat] = np.arctan(lights["spread"][flat].astype(np.float64))
 

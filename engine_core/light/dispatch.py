@@ -6,8 +6,9 @@
 
 from ..jit import kernel
 from ..linalg.vec3 import BLACK, load3, normalize
+from ..shape.box import nearest_face
 from ..tables import LightKind
-from . import background, disk, point, quad, sphere, spot, sun, triangle
+from . import background, box, disk, point, quad, sphere, spot, sun, triangle
 
 
 @kernel
@@ -28,6 +29,8 @@ def sample(scene, light, p, u0, u1):
         return disk.sample(light, p, u0, u1)
     if kind == LightKind.SPHERE:
         return sphere.sample(light, p, u0, u1)
+    if kind == LightKind.BOX:
+        return box.sample(light, p, u0, u1)
     return background.sample(light, u0, u1)
 
 
@@ -52,6 +55,8 @@ def emitted(scene, light, p, wi, t):
         return disk.emitted(light, wi)
     if kind == LightKind.SPHERE:
         return sphere.emitted(light, p, wi, t)
+    if kind == LightKind.BOX:
+        return box.emitted(light, p, wi, t)
     return background.emitted(light)
 
 
@@ -73,6 +78,8 @@ def pdf(scene, light, p, wi, t):
         return disk.pdf(light, p, wi, t)
     if kind == LightKind.SPHERE:
         return sphere.pdf(light, p)
+    if kind == LightKind.BOX:
+        return box.pdf(light, p, wi, t)
     return background.pdf()
 
 
@@ -84,4 +91,8 @@ def surface_normal(light, q):
         return load3(light, "n")
     if kind == LightKind.SPHERE:
         return normalize(q - load3(light, "p"))
+    if kind == LightKind.BOX:
+        return nearest_face(light, q).normal
+    if kind == LightKind.QUAD and light.instance >= 0:
+        return load3(light, "n")
     return BLACK

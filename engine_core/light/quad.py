@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Rectangular area lights, sampled by solid angle (Urena et al. 2013)."""
+"""Rectangular area lights and emissive analytic rectangles, sampled by solid angle (Urena et al. 2013)."""
 
 from ..jit import kernel
 from ..linalg.vec3 import dot

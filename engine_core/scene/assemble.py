@@ -30,11 +30,10 @@ from ..tables import (
     LobeKind,
     MaterialFlag,
     Scene,
-    ShapeKind,
     TreeKind,
     Visibility,
 )
-from . import checks
+from . import checks, shapes
 
 NOTHING = np.zeros((0, 0, 0), np.float32)
 
@@ -127,7 +126,7 @@ class _Assembly:
             first = self.placements[numbers[0]]
             kind = _kind(self.builder.geometries[geometry])
             in_world = len(numbers) == 1 and first.visibility == Visibility.ALL
-            if in_world and (kind == TreeKind.TRIANGLES or _keeps_spheres_round(first.matrix)):
+            if in_world and (kind == TreeKind.TRIANGLES or self._keeps_shapes(geometry, first)):
                 alone[kind].append(numbers[0])
             else:
                 shared.append((geometry, numbers))
@@ -139,6 +138,9 @@ class _Assembly:
             if alone[kind]:
                 world[field] = self._tree(kind, [(self.placements[n].geometry, n) for n in alone[kind]])
         self._instance_tree(np.array([n for _, numbers in shared for n in numbers], np.int64), world)
+
+    def _keeps_shapes(self, geometry, placement):
+        return shapes.keeps_shapes(self.builder.geometries[geometry].rows, placement.matrix)
 
     def _instance_row(self, number, placement):
         row, geometry = self.instances[number], self.builder.geometries[placement.geometry]
@@ -207,10 +209,8 @@ class _Assembly:
                 placement if moved else -1,
             )
         else:
-            rows = np.zeros(len(geometry.radii), SHAPE)
-            rows["kind"], rows["instance"] = ShapeKind.SPHERE, placement if moved else -1
-            rows["p"] = geometry.centres @ matrix[:, :3].T + matrix[:, 3]
-            rows["radius"] = geometry.radii * np.linalg.norm(matrix[:, 0])
+            rows = shapes.moved(geometry.rows, matrix)
+            rows["instance"] = placement if moved else -1
         rows["light"] = geometry.light_ranks
         return rows
 
@@ -307,12 +307,15 @@ class _Assembly:
 
     def _emitters(self, number, placement, geometry, materials):
         """Rows of LIGHT for the emissive primitives of an instance; None if they cannot be sampled."""
-        sphere = _kind(geometry) == TreeKind.SHAPES
         matrix = placement.matrix
-        if sphere and not _keeps_spheres_round(matrix):
-            self.builder._warn(placement.name, "is an emissive ellipsoid; rays find its light by chance alone")
-            return None
-        rows = np.zeros(len(geometry.emitters), LIGHT)
+        if _kind(geometry) == TreeKind.SHAPES:
+            if not shapes.stay_themselves(geometry.rows[geometry.emitters], matrix).all():
+                text = "emits, and as it is scaled no sphere, box or rectangle; rays find its light by chance alone"
+                self.builder._warn(placement.name, text)
+                return None
+            rows = shapes.lights(shapes.moved(geometry.rows[geometry.emitters], matrix))
+        else:
+            rows = _triangle_lights(geometry, matrix)
         slots = _primitive_slots(geometry)
         first = self.instances[number]["slots"]
         slots = np.zeros(len(rows), np.int32) if slots is None else slots[geometry.emitters]
@@ -320,21 +323,6 @@ class _Assembly:
         rows["visibility"], rows["instance"], rows["prim"] = placement.visibility, number, geometry.emitters
         rows["emission"] = material["emission"]
         rows["two_sided"] = (material["flags"] & MaterialFlag.ONE_SIDED) == 0
-        if sphere:
-            rows["kind"] = LightKind.SPHERE
-            rows["p"] = geometry.centres[geometry.emitters] @ matrix[:, :3].T + matrix[:, 3]
-            rows["radius"] = geometry.radii[geometry.emitters] * np.linalg.norm(matrix[:, 0])
-            rows["area"] = 4.0 * np.pi * rows["radius"] ** 2
-            return rows
-        p = geometry.positions[geometry.triangles[geometry.emitters]] @ matrix[:, :3].T + matrix[:, 3]
-        if np.linalg.det(matrix[:, :3]) < 0.0:
-            p = p[:, [0, 2, 1]]
-        u, v = p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]
-        normal = np.cross(u, v)
-        length = np.linalg.norm(normal, axis=1)
-        rows["kind"], rows["p"], rows["u"], rows["v"] = LightKind.TRIANGLE, p[:, 0], u, v
-        rows["area"] = length / 2.0
-        rows["n"] = normal / np.maximum(length, 1e-30)[:, None]
         return rows
 
     def _bounds(self, world):
@@ -359,17 +347,26 @@ def inverse(matrix):
     return np.concatenate([linear, -linear @ matrix[:, 3:]], axis=1)
 
 
-def _keeps_spheres_round(matrix):
-    gram = matrix[:, :3].T @ matrix[:, :3]
-    return np.allclose(gram, np.eye(3) * gram[0, 0], atol=1e-5 * gram[0, 0])
+def _triangle_lights(geometry, matrix):
+    rows = np.zeros(len(geometry.emitters), LIGHT)
+    p = geometry.positions[geometry.triangles[geometry.emitters]] @ matrix[:, :3].T + matrix[:, 3]
+    if np.linalg.det(matrix[:, :3]) < 0.0:
+        p = p[:, [0, 2, 1]]
+    u, v = p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]
+    normal = np.cross(u, v)
+    length = np.linalg.norm(normal, axis=1)
+    rows["kind"], rows["p"], rows["u"], rows["v"] = LightKind.TRIANGLE, p[:, 0], u, v
+    rows["area"] = length / 2.0
+    rows["n"] = normal / np.maximum(length, 1e-30)[:, None]
+    return rows
 
 
 def _kind(geometry):
-    return TreeKind.SHAPES if hasattr(geometry, "radii") else TreeKind.TRIANGLES
+    return TreeKind.SHAPES if isinstance(geometry, shapes.Shapes) else TreeKind.TRIANGLES
 
 
 def _size(geometry):
-    return len(geometry.radii) if hasattr(geometry, "radii") else len(geometry.triangles)
+    return len(geometry.rows if isinstance(geometry, shapes.Shapes) else geometry.triangles)
 
 
 def _primitive_slots(geometry):

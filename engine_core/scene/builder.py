@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..tables import CameraKind, LightKind, MaterialFlag, Visibility
-from . import assemble, checks, lamps
+from . import assemble, checks, lamps, shapes
 from .materials import WHITE, Diffuse, lower
 
 IDENTITY = np.eye(4)
@@ -35,15 +35,6 @@ class Mesh:
     normals: np.ndarray | None  # float32 (n, 3, 3); None: flat
     uvs: np.ndarray | None  # float32 (n, 3, 2)
     slots: np.ndarray | None  # int32 (n,)
-
-
-@dataclass
-class Spheres:
-    """Analytic spheres in object space."""
-
-    name: str
-    centres: np.ndarray  # float32 (n, 3)
-    radii: np.ndarray  # float32 (n,)
 
 
 @dataclass
@@ -118,17 +109,25 @@ class SceneBuilder:
             uvs = checks.array(name, "UV coordinates", uvs, np.float32, n, 3, 2)
         if slots is not None:
             slots = checks.indices(name, "material slots", slots, 32768, n)
-        self.geometries.append(Mesh(name, positions, triangles, normals, uvs, slots))
-        return len(self.geometries) - 1
+        return self._add(Mesh(name, positions, triangles, normals, uvs, slots))
 
     def spheres(self, name, centres, radii):
         """Add analytic spheres in object space: float (n, 3) and (n,). Returns their number, for `instance`."""
-        centres = checks.positions(name, "sphere centres", centres)
-        radii = checks.array(name, "sphere radii", radii, np.float32, len(centres))
-        if radii.size and radii.min() < 0:
-            raise checks.SceneError(f"{name}: a sphere has radius {radii.min():g}")
-        kept = radii > 0
-        self.geometries.append(Spheres(name, centres[kept], radii[kept]))
+        return self._add(shapes.spheres(name, centres, radii))
+
+    def boxes(self, name, centres, half_sizes):
+        """Add analytic boxes along the axes of object space: float (n, 3) both. Returns their number."""
+        return self._add(shapes.boxes(name, centres, half_sizes))
+
+    def quads(self, name, centres, u, v):
+        """Add analytic parallelograms in object space by centres and half edges, float (n, 3) each; front along u x v.
+
+        Those with right angles can be sampled as lights. Returns their number.
+        """
+        return self._add(shapes.quads(name, centres, u, v))
+
+    def _add(self, geometry):
+        self.geometries.append(geometry)
         return len(self.geometries) - 1
 
     def instance(

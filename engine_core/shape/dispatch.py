@@ -5,7 +5,7 @@ import numpy as np
 
 from ..jit import kernel
 from ..tables import ShapeKind
-from . import disk, quad, sphere
+from . import box, disk, quad, sphere
 
 
 @kernel
@@ -15,6 +15,8 @@ def intersect(shape, o, d, t_min, t_max):
         return sphere.intersect(shape, o, d, t_min, t_max)
     if shape.kind == ShapeKind.QUAD:
         return quad.intersect(shape, o, d, t_min, t_max)
+    if shape.kind == ShapeKind.BOX:
+        return box.intersect(shape, o, d, t_min, t_max)
     if shape.kind == ShapeKind.DISK:
         return disk.intersect(shape, o, d, t_min, t_max)
     return disk.intersect_facing(shape, o, d, t_min, t_max)
@@ -25,6 +27,8 @@ def geometric_normal(shape, o, p):
     """Unit normal at `p`, out of the front, whichever side the ray from `o` came from."""
     if shape.kind == ShapeKind.SPHERE:
         return sphere.normal(shape, p)
+    if shape.kind == ShapeKind.BOX:
+        return box.normal(shape, p)
     if shape.kind == ShapeKind.FACING_DISK:
         return disk.normal_facing(shape, o)
     return quad.normal(shape, p)
@@ -35,6 +39,8 @@ def snap(shape, p):
     """`p`, which lies on the shape but for the rounding of o + t d, moved onto it."""
     if shape.kind == ShapeKind.SPHERE:
         return sphere.snap(shape, p)
+    if shape.kind == ShapeKind.BOX:
+        return box.snap(shape, p)
     if shape.kind == ShapeKind.FACING_DISK:
         return p
     return quad.snap(shape, p)
@@ -45,6 +51,8 @@ def uv(shape, p):
     """Texture coordinates (u, v) of the point `p` of the shape. A facing disk has none: 0.5, 0.5."""
     if shape.kind == ShapeKind.SPHERE:
         return sphere.uv(shape, p)
+    if shape.kind == ShapeKind.BOX:
+        return box.uv(shape, p)
     if shape.kind == ShapeKind.FACING_DISK:
         return np.float32(0.5), np.float32(0.5)
     return quad.uv(shape, p)
@@ -55,7 +63,15 @@ def bounds(shapes):
     kind = shapes["kind"][:, None]
     u, v = shapes["u"].astype(np.float64), shapes["v"].astype(np.float64)
     ball = np.repeat(shapes["radius"].astype(np.float64)[:, None], 3, axis=1)
-    half = np.select([kind == ShapeKind.QUAD, kind == ShapeKind.DISK], [np.abs(u) + np.abs(v), np.hypot(u, v)], ball)
+    flat = np.abs(u) + np.abs(v)
+    kinds = {ShapeKind.QUAD: flat, ShapeKind.DISK: np.hypot(u, v), ShapeKind.BOX: flat + ball * np.abs(_across(u, v))}
+    half = np.select([kind == k for k in kinds], list(kinds.values()), ball)
     centre = shapes["p"].astype(np.float64)
     lo, hi = (centre - half).astype(np.float32), (centre + half).astype(np.float32)
     return np.nextafter(lo, np.float32(-np.inf)), np.nextafter(hi, np.float32(np.inf))
+
+
+def _across(u, v):
+    """Unit vectors along u x v, (n, 3); zero where that is."""
+    n = np.cross(u, v)
+    return n / np.maximum(np.linalg.norm(n, axis=1, keepdims=True), 1e-300)
