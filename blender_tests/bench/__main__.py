@@ -17,7 +17,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-PARTS = ("rays", "noise", "compile", "export", "build")
+PARTS = ("rays", "scaling", "noise", "compile", "export", "build")
 
 
 def main():
