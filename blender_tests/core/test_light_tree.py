@@ -184,7 +184,9 @@ def test_no_light_that_arrives_has_probability_zero(offset, both_sides):
     rows = np.concatenate([mixture(130, offset=offset), mesh, *suns])
     beams = np.repeat(light(Kind.QUAD, u=(4, 0, 0), v=(0, 4, 0), is_delta=1, spread=0.0), 2)
     beams["p"] = offset + 5.0
-    scene = many_lights(np.concatenate([rows, beams]))
+    parallel = np.repeat(light(Kind.QUAD, u=(0.3, 0, 0), v=(0, -0.3, 0), spread=2.0), 64)  # bounds of them are narrow
+    parallel["p"] = offset + 10.0 * np.random.default_rng(13).random((64, 3))
+    scene = many_lights(np.concatenate([rows, parallel, beams]))
     p, n = receivers(400, offset=offset)
     # half of them where they just see the centre of some light, or just do not
     graze = p[:200].astype(np.float32) - scene.lights["p"][:200][np.arange(200) % len(scene.lights)]

@@ -35,6 +35,7 @@ WALK = np.dtype(
         ("t_max", "f4"),
         ("visibility", "i4"),  # Visibility: by what scattering it came about
         ("beta", "f4", (3,)),  # throughput
+        ("beta_first", "f4"),  # its largest component after the first bounce
         ("L", "f4", (3,)),  # radiance gathered so far
         ("alpha", "f4"),
         ("p_last", "f4", (3,)),  # the last place that scattered, an Origin
@@ -230,12 +231,17 @@ def count_bounce(settings, walk, s):
 
 @kernel
 def survives(settings, walk, sampler, dimension):
-    """Russian roulette: whether it is worth to go on."""
+    """Russian roulette: whether it is worth to go on.
+
+    By the throughput beside that of the first bounce: a dark surface is dark by whatever path, and its noise is seen
+    beside that. The root keeps paths longer than their throughput says, since they may still find a bright light.
+    """
+    beta = load3(walk, "beta")
+    if walk.bounces <= 1:
+        walk.beta_first = max_component(beta)
     if walk.bounces <= settings.min_bounces:
         return True
-    # the root keeps dim paths longer than their throughput says, since they may still find a bright light
-    beta = load3(walk, "beta")
-    survival = min(1.0, math.sqrt(max_component(beta)))
+    survival = min(1.0, math.sqrt(2.0 * max_component(beta) / walk.beta_first))
     if sample_1d(sampler, dimension) >= survival:
         return False
     store3(walk, "beta", beta * (1.0 / survival))
