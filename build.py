@@ -29,6 +29,8 @@ examples:
   python3 build.py test                            every test; add pytest's own arguments as you like
   python3 build.py test --level core -k sobol      one level, and of that what has "sobol" in its name
   python3 build.py bench rays --json rays.json     how fast, one part or all
+  python3 build.py compare shot.blend --samples 64 --reference 1024       beside Cycles, with errors
+  python3 build.py bench noise --scenes cornell_box,interior              how soon is a picture free of noise?
   python3 build.py package                         dist/lambent-*.zip, to install in Blender
 
 Each command makes what it needs first: a virtual environment in .venv with Blender 5.2 LTS as a Python module
@@ -79,11 +81,7 @@ def command_render(arguments, _):
 
 def render_job(arguments):
     """What tools/render_driver.py is asked for. Paths are absolute, since it may run in another folder."""
-    file = Path(arguments.file)
-    if not file.is_file():
-        raise UserError(f"there is no file {file}")
-    if file.suffix.lower() != ".blend":
-        raise UserError(f"{file} is no .blend file")
+    file = blend_file(arguments.file)
     number = "" if arguments.frame is None else f"_{arguments.frame:04d}"
     out = Path(arguments.output or ".")
     if out.is_dir():
@@ -106,6 +104,15 @@ def render_job(arguments):
         "time_limit": arguments.time_limit,
         "integrator": arguments.integrator,
     }
+
+
+def blend_file(name):
+    file = Path(name)
+    if not file.is_file():
+        raise UserError(f"there is no file {file}")
+    if file.suffix.lower() != ".blend":
+        raise UserError(f"{file} is no .blend file")
+    return file
 
 
 def run_render(command, variables, verbose):
@@ -225,8 +232,23 @@ def command_bench(arguments, rest):
     python = environment.environment(arguments.blender_version)
     output = ["--json", str(Path(arguments.json).resolve())] if arguments.json else []
     quick = ["--quick"] if arguments.quick else []
-    command = [str(python), "-m", "blender_tests.bench", *arguments.parts, *output, *quick, *rest]
+    scenes = ["--scenes", arguments.scenes] if arguments.scenes else []
+    command = [str(python), "-m", "blender_tests.bench", *arguments.parts, *output, *quick, *scenes, *rest]
     return subprocess.call(command, cwd=str(ROOT))
+
+
+def command_compare(arguments, _):
+    file, out = blend_file(arguments.file), Path(arguments.output or ".")
+    if out.exists() and not out.is_dir():
+        raise UserError(f"{out} is no folder")
+    words = [str(file.resolve()), "--output", str(out.resolve()), "--seed", str(arguments.seed)]
+    for name in ("samples", "seconds", "reference", "frame"):
+        if getattr(arguments, name) is not None:
+            words += [f"--{name}", str(getattr(arguments, name))]
+    if arguments.size:
+        words += ["--size", *map(str, arguments.size)]
+    python = environment.environment(arguments.blender_version)
+    return subprocess.call([str(python), "-m", "blender_tests.bench.compare", *words], cwd=str(ROOT))
 
 
 def command_package(arguments, _):
@@ -315,9 +337,30 @@ def parser():
     sub.add_argument("--blender", metavar="COMMAND", help="an installed Blender, for the tests with a window")
 
     sub = add("bench", command_bench, "measure how fast Lambent is")
-    sub.add_argument("parts", nargs="*", metavar="PART", help="rays, noise, compile, export, build (default: all)")
+    sub.add_argument(
+        "parts", nargs="*", metavar="PART", help="rays, scaling, noise, compile, export, build (default: all)"
+    )
     sub.add_argument("--json", metavar="FILE", help="write the figures to a file")
     sub.add_argument("--quick", action="store_true", help="small and coarse, to see that it runs")
+    sub.add_argument("--scenes", metavar="A,B", help="for noise: some of scenes_blend (default: all)")
+    sub.add_argument("--blender-version", **lts)
+
+    sub = add("compare", command_compare, "render a scene with Lambent and with Cycles, and measure the difference")
+    sub.add_argument("file", metavar="FILE", help="a .blend file; its scripts are not run")
+    sub.add_argument("-o", "--output", metavar="DIR", help="for FILE's name_compare.png and .json (default: here)")
+    effort = sub.add_mutually_exclusive_group()
+    effort.add_argument("--samples", type=at_least(1), metavar="N", help="per pixel (default: what the file says)")
+    effort.add_argument("--seconds", type=at_least(0.01, float), metavar="S", help="of rendering, for each engine")
+    sub.add_argument(
+        "--reference",
+        type=at_least(2),
+        metavar="N",
+        help="also render converged pictures with N samples, and measure errors against them; they are kept for the "
+        "next time",
+    )
+    sub.add_argument("--size", type=size, metavar="WxH", help="in pixels (default: what the file says)")
+    sub.add_argument("--frame", type=at_least(-(2**20)), metavar="N", help="(default: the one the file was saved at)")
+    sub.add_argument("--seed", type=at_least(0), default=0, metavar="N", help="another seed, another pattern of noise")
     sub.add_argument("--blender-version", **lts)
 
     sub = add("package", command_package, "pack the extension for Blender into dist/")

@@ -91,7 +91,7 @@ def make(version):
     else:
         say("  1/3 the virtual environment is there")
 
-    say("  2/3 the pinned packages of requirements.txt (about 450 MB the first time)")
+    say("  2/3 the pinned packages of requirements.txt (about 550 MB the first time)")
     command = [str(python_in(folder)), "-m", "pip", "install", "--disable-pip-version-check", "--no-input"]
     if subprocess.run([*command, "--only-binary", ":all:", "-r", str(REQUIREMENTS)]).returncode != 0:
         raise UserError(

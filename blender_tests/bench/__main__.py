@@ -17,17 +17,25 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
+from .quiet import progress_bar, quiet_blender
+
+SCENES = Path(__file__).parents[2] / "scenes_blend"
 PARTS = ("rays", "scaling", "noise", "compile", "export", "build")
 
 
 def main():
     options = parse()
-    console, results, failed = Console(), {}, []
+    with quiet_blender() as blender:
+        return measure(options, Console(file=blender.terminal))
+
+
+def measure(options, console):
+    results, failed = {}, []
     for part in options.parts or PARTS:
         console.print(f"[bold]{part}[/] ...")
         began = time.perf_counter()
         try:
-            results[part] = importlib.import_module(f".{part}", __package__).run(options.quick)
+            results[part] = run(part, options, console)
         except Exception:
             traceback.print_exc()
             failed.append(part)
@@ -42,15 +50,29 @@ def main():
     return 1 if failed else 0
 
 
+def run(part, options, console):
+    module = importlib.import_module(f".{part}", __package__)
+    if part != "noise":
+        return module.run(options.quick)
+    with progress_bar(console) as tell:
+        return module.run(options.quick, options.scenes, tell)
+
+
 def parse():
     parser = argparse.ArgumentParser(prog="python3 build.py bench", description=__doc__)
     parser.add_argument("parts", nargs="*", metavar="PART", help=f"of {', '.join(PARTS)}; all without any")
     parser.add_argument("--json", type=Path, metavar="FILE")
     parser.add_argument("--quick", action="store_true", help="small and coarse, to see that it runs")
+    parser.add_argument("--scenes", default="", metavar="A,B", help="for noise: of scenes_blend, all without any")
     options = parser.parse_args()
+    options.scenes = [name for name in options.scenes.split(",") if name]
     for part in options.parts:
         if part not in PARTS:
             parser.error(f"there is no part {part}; there are {', '.join(PARTS)}")
+    for name in options.scenes:
+        if not (SCENES / f"{name}.blend").is_file():
+            there = ", ".join(sorted(path.stem for path in SCENES.glob("*.blend")))
+            parser.error(f"there is no scene {name}; there are {there}")
     if options.json and not options.json.resolve().parent.is_dir():
         parser.error(f"there is no folder {options.json.parent} to write {options.json.name} into")
     return options

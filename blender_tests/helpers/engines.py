@@ -1,73 +1,112 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The same .blend in Lambent and in Cycles: pictures, seconds, and how different two pictures are."""
+"""The same .blend in Lambent and in Cycles: pictures, and the seconds that they took."""
 
-import hashlib
-import os
+import contextlib
+import re
 import tempfile
 import time
 from pathlib import Path
+from typing import NamedTuple
 
 import bpy
 import numpy as np
 
 import addon
-from engine_core.jit import source_digest
 
-from .cycles import load, references_folder, set_up_cycles
-from .exr import read_rgba
+from .cycles import load, set_up_cycles
+from .exr import read_exr
 from .small_blend import enable_cycles, save_as_exr
 
+ENGINES = ("LAMBENT", "CYCLES")
 BOUNCES = ("max_bounces", "diffuse_bounces", "glossy_bounces", "transmission_bounces", "transparent_max_bounces")
+MOST_SAMPLES = 1 << 24  # where a time limit ends a render
 
 
-def open_for_both(source, size):
+class Rendered(NamedTuple):
+    picture: np.ndarray  # scene-linear, float32 (h, w, 3 or 4), bottom row first
+    seconds: float  # of the whole render, on the clock
+    cpu_s: float  # of all processors together
+    samples: int
+
+
+def open_for_both(source, size=None):
     """Open a .blend (or build a scene) at `size`, with both engines there and set alike. Returns its scene."""
-    enable_cycles()
-    if not hasattr(bpy.types.Scene, "lambent"):
-        addon.register()
+    enable_engines()
     scene = load(source)
-    scene.render.resolution_x, scene.render.resolution_y = size
-    scene.render.resolution_percentage = 100
+    if size:
+        scene.render.resolution_x, scene.render.resolution_y = size
+        scene.render.resolution_percentage = 100
     scene.render.use_border = scene.render.use_compositing = scene.render.use_sequencer = False
-    for name in BOUNCES:
-        setattr(scene.cycles, name, getattr(scene.lambent, name))
-    scene.cycles.pixel_filter_type, scene.cycles.filter_width = "BLACKMAN_HARRIS", scene.lambent.filter_width
+    set_alike(scene)
     return scene
 
 
+def enable_engines():
+    enable_cycles()
+    if not hasattr(bpy.types.Scene, "lambent"):
+        addon.register()
+
+
+def set_alike(scene):
+    """Give Cycles the bounces and the pixel filter of Lambent."""
+    for name in BOUNCES:
+        setattr(scene.cycles, name, getattr(scene.lambent, name))
+    scene.cycles.pixel_filter_type, scene.cycles.filter_width = scene.lambent.filter_type, scene.lambent.filter_width
+
+
 def render_with(engine, scene, samples, seed=0):
-    """(picture float32 (h, w, 4), bottom row first; seconds of the whole render) of the open scene."""
+    """(picture, seconds on the clock) of the open scene."""
+    rendered = render(engine, scene, samples, seed)
+    return rendered.picture, rendered.seconds
+
+
+def render(engine, scene, samples=MOST_SAMPLES, seed=0, time_limit=0.0, progress=None, display=None):
+    """Render the open scene without short cuts, and by samples or by time. Returns Rendered.
+
+    `progress(fraction)` is called now and then. `display`: path of a PNG, as the file's colour management shows it.
+    """
     set_up_cycles(scene, samples, seed)
     scene.render.engine = engine
-    scene.lambent.samples, scene.lambent.seed = samples, seed
-    with tempfile.TemporaryDirectory() as folder:
+    ours = scene.lambent
+    ours.samples, ours.seed, ours.clamp_direct, ours.clamp_indirect = samples, seed, 0.0, 0.0
+    ours.use_animated_seed = False
+    scene.cycles.time_limit = ours.time_limit = time_limit
+    with tempfile.TemporaryDirectory() as folder, told(progress, samples, time_limit) as seen:
         path = Path(folder, "picture.exr")
         save_as_exr(scene, path)
-        began = time.perf_counter()
+        began, cpu_began = time.perf_counter(), time.process_time()
         bpy.ops.render.render(write_still=True)
-        seconds = time.perf_counter() - began
-        return read_rgba(path), seconds
+        seconds, cpu_s = time.perf_counter() - began, time.process_time() - cpu_began
+        channels, _ = read_exr(path)
+        if display:
+            save_display(scene, display)
+    ends = {name.rsplit(".", 1)[-1]: pixels for name, pixels in channels.items()}
+    picture = np.stack([ends[c] for c in "RGBA" if c in ends], axis=-1).astype(np.float32)
+    return Rendered(picture, seconds, cpu_s, max(seen) if time_limit else samples)
 
 
-def reference(engine, scene, source, samples):
-    """A converged picture, kept outside the repository from run to run. `source`: what names the open scene."""
-    parts = [engine, samples, scene.render.resolution_x, scene.render.resolution_y, bpy.app.version_string]
-    parts += [Path(source).read_bytes(), source_digest() if engine == "LAMBENT" else ""]
-    if engine == "LAMBENT":
-        parts += [path.read_bytes() for path in sorted(Path(addon.__file__).parent.rglob("*.py"))]
-    kept = references_folder() / f"{hashlib.sha256(repr(parts).encode()).hexdigest()[:32]}.npy"
-    if not kept.exists():
-        picture, _ = render_with(engine, scene, samples, seed=977)
-        kept.parent.mkdir(parents=True, exist_ok=True)
-        unfinished = kept.with_suffix(f".{os.getpid()}.npy")
-        np.save(unfinished, picture)
-        unfinished.replace(kept)
-    return np.load(kept)
+def save_display(scene, path):
+    image = scene.render.image_settings
+    image.file_format, image.color_mode, image.color_depth = "PNG", "RGB", "8"
+    bpy.data.images["Render Result"].save_render(str(path), scene=scene)
 
 
-def relative_error(picture, reference):
-    """Mean of (x - r)^2 / (r^2 + 0.01) over pixels and colours, without the worst 0.1 % of the pixels."""
-    x, r = (image[..., :3].astype(np.float64) for image in (picture, reference))
-    errors = ((x - r) ** 2 / (r**2 + 0.01)).mean(axis=-1).ravel()
-    kept = len(errors) - int(np.ceil(len(errors) * 0.001))
-    return float(np.sort(errors)[:kept].mean())
+@contextlib.contextmanager
+def told(progress, samples, time_limit):
+    """While the body runs, call `progress(fraction)` with each line of status, such as `... | Sample 3/16`; gives the
+    numbers of samples in those lines. (The header of Cycles' files has the number that was asked for.)"""
+    began, seen = time.perf_counter(), [0]
+
+    def on_stats(stats, _=None):
+        sample = re.search(r"Sample (\d+)/(\d+)", stats)
+        by_time = (time.perf_counter() - began) / time_limit if time_limit else 0.0
+        if sample:
+            seen.append(int(sample.group(1)))
+        if sample and progress:
+            progress(min(max(seen[-1] / samples, by_time), 1.0))
+
+    bpy.app.handlers.render_stats.append(on_stats)
+    try:
+        yield seen
+    finally:
+        bpy.app.handlers.render_stats.remove(on_stats)

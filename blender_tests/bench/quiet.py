@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender's lines of log out of the way of ours, and a progress bar."""
+
+import contextlib
+import os
+import sys
+import tempfile
+
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+
+class QuietBlender:
+    """`terminal` is a file that still goes where stdout went."""
+
+    def __init__(self, terminal, log):
+        self.terminal, self._log = terminal, log
+
+    def warnings(self):
+        """What the engines warned of, each line once."""
+        sys.stdout.flush()
+        self._log.seek(0)
+        lines = [line.strip() for line in self._log.read().decode(errors="replace").splitlines()]
+        return list(dict.fromkeys(line for line in lines if line.startswith("Warning: ")))
+
+
+@contextlib.contextmanager
+def quiet_blender():
+    """Catch what this process writes to stdout, in Python and in C, while the body runs. Gives a QuietBlender."""
+    sys.stdout.flush()
+    original = os.dup(1)
+    with tempfile.TemporaryFile() as log, open(os.dup(original), "w", encoding="utf-8") as terminal:
+        os.dup2(log.fileno(), 1)
+        try:
+            yield QuietBlender(terminal, log)
+        finally:
+            sys.stdout.flush()
+            terminal.flush()
+            os.dup2(original, 1)
+            os.close(original)
+
+
+@contextlib.contextmanager
+def progress_bar(console):
+    """Gives a function of a fraction and a text."""
+    columns = (TextColumn("{task.description:32}"), BarColumn(), TextColumn("{task.percentage:3.0f} %"))
+    # drawn when told to, not by a thread: a render may keep the GIL for seconds
+    with Progress(*columns, TimeElapsedColumn(), console=console, auto_refresh=False, transient=True) as progress:
+        task = progress.add_task("", total=1.0)
+        yield lambda fraction, text: progress.update(task, completed=fraction, description=text, refresh=True)
