@@ -7,10 +7,17 @@ A global of a module would be frozen when a kernel is compiled.
 from enum import IntEnum
 from typing import NamedTuple
 
+UNIFORM_SAMPLES = 16  # what each pixel gets before adaptive sampling begins
+
 
 class IntegratorKind(IntEnum):
     BRUTE_FORCE = 0  # scatters by the material alone; finds lights by luck
     PATH = 2  # light sampling and scattering, weighted by MIS
+
+
+class SamplerKind(IntEnum):
+    SOBOL = 0  # Owen-scrambled Sobol points, the error as blue noise over the pixels
+    RANDOM = 1  # independent random numbers, to compare with
 
 
 class FilterKind(IntEnum):
@@ -28,8 +35,11 @@ class Settings(NamedTuple):
     crop_y: int = 0
     crop_width: int = 512
     crop_height: int = 512
-    samples: int = 128
+    samples: int = 128  # of a pixel on average; of each pixel unless `adaptive`
     seed: int = 0
+    sampler: int = SamplerKind.SOBOL
+    adaptive: int = 1  # 1: more samples for pixels with more noise
+    noise_target: float = 0.0  # 0: off; else the relative error of the picture at which it is good enough
     integrator: int = IntegratorKind.PATH
     max_bounces: int = 12
     diffuse_bounces: int = 4

@@ -294,13 +294,13 @@ class Scene(Tables):
 PIXEL = np.dtype(
     [  # sums over samples
         ("radiance", "f4", (3,)),
-        ("even", "f4", (3,)),  # radiance of the samples 0, 2, 4 ...: two halves that differ tell the error
         ("alpha", "f4"),
         ("depth", "f4"),  # of the first sample
         ("normal", "f4", (3,)),
         ("albedo", "f4", (3,)),
         ("position", "f4", (3,)),  # of the first sample
-        ("samples", "i4"),
+        ("samples", "i4"),  # that it has ...
+        ("target", "i4"),  # ... and shall have
     ]
 )
 CONTROL = np.dtype([("cancel", "i4")])  # set to 1 by any thread: kernels stop at the next row of pixels

@@ -9,30 +9,34 @@ from scipy import stats
 from engine_core.jit import kernel
 from engine_core.sampling.mis import power_heuristic
 from engine_core.sampling.rng import hash_float, hash_u32, to_unit_float
-from engine_core.sampling.sobol import make_sampler, sample_1d, sample_2d
+from engine_core.sampling.sobol import make_sampler, make_sequence, sample_1d, sample_2d
+from engine_core.settings import SamplerKind, Settings
 
 SIGNIFICANCE = 1e-4  # of each test; the points are fixed, so a test that passes once passes always
 
 
 @kernel
-def fill_points(points, dimension, seed):
+def fill_points(settings, points, dimension):
     """Samples 0, 1, 2 ... of the pixels 0, 1, 2 ... of a row: points (pixels, samples, 2)."""
     for x in range(points.shape[0]):
+        sequence = make_sequence(settings, x, 7)
         for index in range(points.shape[1]):
-            u0, u1 = sample_2d(make_sampler(x, 7, index, seed), dimension)
+            u0, u1 = sample_2d(make_sampler(sequence, index), dimension)
             points[x, index, 0], points[x, index, 1] = u0, u1
 
 
 @kernel
-def fill_numbers(numbers, dimension, seed):
+def fill_numbers(settings, numbers, dimension):
     for x in range(numbers.shape[0]):
+        sequence = make_sequence(settings, x, 7)
         for index in range(numbers.shape[1]):
-            numbers[x, index] = sample_1d(make_sampler(x, 7, index, seed), dimension)
+            numbers[x, index] = sample_1d(make_sampler(sequence, index), dimension)
 
 
-def points_of(pixels, samples, dimension=0, seed=0):
+def points_of(pixels, samples, dimension=0, **changes):
+    """float32 (pixels, samples, 2); `changes` of the settings."""
     points = np.empty((pixels, samples, 2), np.float32)
-    fill_points(points, dimension, seed)
+    fill_points(Settings(**{"samples": samples, **changes}), points, dimension)
     return points
 
 
@@ -65,12 +69,104 @@ def test_each_sample_alone_is_uniform_over_pixels(index):
     assert uniformity(*points.T) > SIGNIFICANCE
 
 
-def test_dimensions_pixels_and_seeds_are_independent():
+def test_dimensions_and_seeds_are_independent():
     a = points_of(20_000, 4, dimension=0)
-    for b in (points_of(20_000, 4, dimension=1), points_of(20_000, 4, seed=1), np.roll(a, 1, axis=0)):
+    for b in (points_of(20_000, 4, dimension=1), points_of(20_000, 4, seed=1)):
         for i in (0, 1):
             for j in (0, 1):
                 assert uniformity(a[..., i].ravel(), b[..., j].ravel()) > SIGNIFICANCE
+
+
+# ---- Blue noise: how pixels share a sequence -------------------------------------------------------------------------
+
+
+@kernel
+def fill_square(settings, points, dimension):
+    """All samples of a square of pixels: points (height, width, samples, 2)."""
+    for y in range(points.shape[0]):
+        for x in range(points.shape[1]):
+            sequence = make_sequence(settings, x, y)
+            for index in range(points.shape[2]):
+                u0, u1 = sample_2d(make_sampler(sequence, index), dimension)
+                points[y, x, index, 0], points[y, x, index, 1] = u0, u1
+
+
+def square_of(side, samples, **changes):
+    points = np.empty((side, side, samples, 2), np.float32)
+    fill_square(Settings(**{"samples": samples, "adaptive": 0, **changes}), points, 2)
+    return points
+
+
+def integral_errors(points):
+    """Error of each pixel's estimate of a smooth integral."""
+    values = np.exp(-4.0 * ((points - 0.3) ** 2).sum(axis=-1)).mean(axis=-1).astype(float)
+    return values - values.mean()
+
+
+def low_frequencies(errors):
+    """Power at wavelengths above 8 pixels, in relation to that of white noise of the same variance."""
+    power = np.abs(np.fft.fft2(errors)) ** 2 / (errors.var() * errors.size)
+    frequency = np.fft.fftfreq(len(errors))
+    radius = np.hypot(*np.meshgrid(frequency, frequency))
+    return power[(radius > 0) & (radius < 1 / 8)].mean()
+
+
+@pytest.mark.parametrize("samples", [1, 4, 16])
+@pytest.mark.parametrize("pixels", [2, 4, 16])
+def test_samples_of_a_square_of_pixels_are_a_net(samples, pixels):
+    points = square_of(16, samples)[:pixels, :pixels].reshape(-1, 2)
+    n = len(points)
+    for columns in 2 ** np.arange(int(np.log2(n)) + 1):
+        cell = (points[:, 0] * columns).astype(int) * (n // columns) + (points[:, 1] * (n // columns)).astype(int)
+        assert len(np.unique(cell)) == n
+
+
+@pytest.mark.parametrize("samples", [1, 16])
+def test_errors_of_pixels_are_blue_noise(samples):
+    blue = [low_frequencies(integral_errors(square_of(128, samples, seed=seed))) for seed in range(4)]
+    assert np.mean(blue) < 0.25
+
+
+def test_blue_noise_leaves_the_error_of_a_pixel_as_it_was():
+    """In relation to pixels far apart in their sequence, as those that adaptive sampling keeps room for."""
+    shared = np.mean([integral_errors(square_of(64, 64, seed=s)).var() for s in range(4)])
+    apart = np.mean([integral_errors(square_of(64, 64, seed=s, adaptive=1)).var() for s in range(4)])
+    assert shared == pytest.approx(apart, rel=0.1)
+
+
+def test_no_two_pixels_of_a_large_frame_have_the_same_samples():
+    """Sequences have 2^32 points, so a frame of 4096 x 4096 pixels with 2^12 samples takes several."""
+    settings = Settings(samples=1 << 12, adaptive=0)
+    seen = {
+        (s.seed, s.first) for x in (0, 1, 1023, 1024, 4095) for y in (0, 511, 1024) for s in [sequence(settings, x, y)]
+    }
+    assert len(seen) == 15
+
+
+@kernel
+def sequence(settings, x, y):
+    return make_sequence(settings, x, y)
+
+
+# ---- Plain random numbers --------------------------------------------------------------------------------------------
+
+
+def test_random_numbers_are_independent():
+    a = points_of(5000, 16, sampler=int(SamplerKind.RANDOM))
+    assert uniformity(a[..., 0].ravel(), a[..., 1].ravel()) > SIGNIFICANCE
+    others = [np.roll(a, 1, axis=0), np.roll(a, 1, axis=1), points_of(5000, 16, 1, sampler=int(SamplerKind.RANDOM))]
+    for b in others:
+        for i in (0, 1):
+            for j in (0, 1):
+                assert uniformity(a[..., i].ravel(), b[..., j].ravel()) > SIGNIFICANCE
+
+
+def test_random_numbers_have_the_variance_of_random_numbers():
+    values = np.exp(-4.0 * ((points_of(4000, 64, sampler=int(SamplerKind.RANDOM)) - 0.3) ** 2).sum(axis=-1))
+    assert values.mean(axis=1).var() == pytest.approx(values.var() / 64, rel=0.1)
+
+
+# ---- Within a pixel --------------------------------------------------------------------------------------------------
 
 
 def test_dimensions_are_decorrelated_within_a_pixel():
@@ -97,7 +193,7 @@ def test_estimates_have_no_bias():
 
 def test_one_number_is_the_first_of_two():
     numbers = np.empty((8, 64), np.float32)
-    fill_numbers(numbers, 5, 1)
+    fill_numbers(Settings(samples=64, seed=1), numbers, 5)
     np.testing.assert_array_equal(numbers, points_of(8, 64, dimension=5, seed=1)[..., 0])
 
 

@@ -32,22 +32,6 @@ def image(film, name, tile=None):
     return PASSES[name][1](pixels(film, tile))
 
 
-def error_estimate(film):
-    """Relative error of the picture: the root of the mean of error^2 / (radiance^2 + 0.01), as a fraction.
-
-    The error of a pixel is known from its even and its odd samples, two pictures that are independent of each other:
-    half of their difference has the variance of their mean. NaN while a pixel has less than two samples.
-    """
-    n = film.pixels["samples"].astype(np.float32)
-    if n.size == 0 or n.min() < 2:
-        return float("nan")
-    even_count, odd_count = np.ceil(n / 2), np.floor(n / 2)
-    even = film.pixels["even"].mean(axis=-1) / even_count
-    mean = film.pixels["radiance"].mean(axis=-1) / n
-    odd = (mean * n - even * even_count) / odd_count
-    return float(np.sqrt(np.mean((0.5 * (even - odd)) ** 2 / (mean**2 + 0.01))))
-
-
 def _mean(field):
     def read(grid):
         return grid[field] / np.maximum(grid["samples"], 1)[..., None].astype(np.float32)

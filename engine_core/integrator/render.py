@@ -13,7 +13,7 @@ from ..film.filter import sample_filter
 from ..jit import kernel, variant
 from ..linalg.transform import transform_point, transform_vector
 from ..linalg.vec3 import BLACK, Vec3, dot, load3, store3
-from ..sampling.sobol import make_sampler, sample_2d
+from ..sampling.sobol import make_sampler, make_sequence, sample_2d
 from ..settings import IntegratorKind
 from . import path, uniform
 from .path import trace
@@ -30,8 +30,8 @@ def depth_along_axis(camera, p):
     return dot(eye - p, back)
 
 
-def render_tile(scene, settings, film, x0, y0, width, height, first_sample, count):
-    """Add the samples first_sample ... first_sample + count - 1 to each pixel of a tile, by the paths of `trace`.
+def render_tile(scene, settings, film, x0, y0, width, height, most):
+    """Add to each pixel of a tile the samples that it still misses, but no more than `most`, by the paths of `trace`.
 
     `x0`, `y0`: the tile's lower left pixel on the film. Between two rows the kernel looks whether it was cancelled;
     returns the number of rows that it finished.
@@ -44,11 +44,15 @@ def render_tile(scene, settings, film, x0, y0, width, height, first_sample, coun
         y = y0 + row
         for x in range(x0, x0 + width):
             pixel = film.pixels[y * settings.crop_width + x]
+            count = min(pixel.target - pixel.samples, most)
+            if count <= 0:
+                continue
             frame_x, frame_y = x + settings.crop_x, y + settings.crop_y
-            radiance, even, normal, albedo = BLACK, BLACK, BLACK, BLACK
+            sequence = make_sequence(settings, frame_x, frame_y)
+            radiance, normal, albedo = BLACK, BLACK, BLACK
             alpha = np.float32(0.0)
-            for index in range(first_sample, first_sample + count):
-                sampler = make_sampler(frame_x, frame_y, index, settings.seed)
+            for index in range(pixel.samples, pixel.samples + count):
+                sampler = make_sampler(sequence, index)
                 u0, u1 = sample_2d(sampler, 0)
                 dx, dy = sample_filter(settings, u0, u1)
                 u0, u1 = sample_2d(sampler, 1)
@@ -64,8 +68,6 @@ def render_tile(scene, settings, film, x0, y0, width, height, first_sample, coun
                 if not math.isfinite(L.x + L.y + L.z):
                     L = BLACK  # one overflow in a million samples must not cost the pixel
                 radiance = radiance + L
-                if index % 2 == 0:
-                    even = even + L
                 alpha += s.alpha
                 normal = normal + s.normal
                 albedo = albedo + s.albedo
@@ -73,7 +75,6 @@ def render_tile(scene, settings, film, x0, y0, width, height, first_sample, coun
                     store3(pixel, "position", s.p)
                     pixel.depth = depth_along_axis(camera, s.p) if s.hit else NO_DEPTH
             store3(pixel, "radiance", load3(pixel, "radiance") + radiance)
-            store3(pixel, "even", load3(pixel, "even") + even)
             store3(pixel, "normal", load3(pixel, "normal") + normal)
             store3(pixel, "albedo", load3(pixel, "albedo") + albedo)
             pixel.alpha += alpha

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Render: Python threads that hand out tiles to kernels, and tell how far they are.
 
-The whole frame is rendered in passes of 1, 1, 2, 4, 8 ... samples, so that a rough picture is there at once. A kernel
-does not hold the GIL, so the threads run side by side. A pixel gets its samples in order from one thread at a time: the
-picture depends on scene and settings alone, not on the number of threads or who was first.
+The whole film is rendered in passes that double its samples: 1, 2, 4, 8 ..., so that a rough picture is there at once.
+After each pass all threads meet: the picture's error is estimated, and the samples of the next pass are distributed
+over the pixels. A kernel does not hold the GIL, so the threads run side by side. A pixel gets its samples in order from
+one thread at a time: the picture depends on scene and settings alone, not on the number of threads or who was first.
 
     render = Render(scene, settings)
     render.start()
@@ -13,20 +14,25 @@ picture depends on scene and settings alone, not on the number of threads or who
     render.wait()
 """
 
+import math
 import os
 import queue
 import threading
 import time
 
-from ..film import passes
-from ..settings import Settings
+from ..film import adaptive, passes
+from ..film.noise import Noise
+from ..sampling.sobol import index_bits
+from ..settings import UNIFORM_SAMPLES, Settings
 from .render import RENDER_TILE
 
 # A tile is small enough that stopping, and sharing the last ones among the threads, takes no time,
 # and large enough that handing it out (50 us) does not matter.
 TILE_SIZE = 64
-LARGEST_PASS = 64  # samples; more would not be shown for a long time
-LARGEST_BATCH = 8  # samples of a tile in one call of the kernel, which cannot be interrupted within a row
+FEW_TILES = 64  # with fewer, smaller ones are made: at the end of a pass no thread shall wait for long
+LARGEST_JOB = 64  # samples of a pixel; more would not be shown for a long time
+LARGEST_BATCH = 8  # samples of a pixel in one call of the kernel, which cannot be interrupted within a row
+LEAST_PASS = 1.125  # times the samples so far: what a pass has at least
 
 
 class Render:
@@ -41,6 +47,8 @@ class Render:
         0: as many as there are processors.
     time_limit : float
         Seconds after which no tile is begun; 0: none. The first pass is always finished, so that no pixel is empty.
+
+    It ends with `settings.samples`, at `settings.noise_target` or at the time limit, whichever comes first.
     """
 
     def __init__(self, scene, settings, threads=0, time_limit=0.0):
@@ -51,12 +59,9 @@ class Render:
         self.threads = threads if threads > 0 else available_processors()
         self.time_limit = time_limit
         self.tiles = make_tiles(settings.crop_width, settings.crop_height)
-        self.passes = make_passes(settings.samples)
-        self.samples_done = 0  # by every pixel
-        self._jobs = ((number, tile) for number in range(len(self.passes)) for tile in self.tiles)
-        self._next, self._busy = next(self._jobs), set()
-        self._open_tiles, self._whole_passes = [len(self.tiles)] * len(self.passes), 0
-        self._pixel_samples = 0
+        self.noise = Noise(self.film)
+        self._pixel_samples, self._done, self._busy = 0, 0, set()
+        self._begin_pass(1, 1)
         self._changed = threading.Condition()
         self._finished, self._workers = queue.SimpleQueue(), []
         self._error, self._running_workers = None, 0
@@ -120,11 +125,23 @@ class Render:
         return (self._ended or time.perf_counter()) - self._began
 
     @property
+    def _average(self):
+        # adaptive sampling leaves the rest of a budget that does not suffice for a pixel's next power of two
+        return max(self._pixel_samples / (self.film.width * self.film.height), float(self._done))
+
+    @property
+    def samples_done(self):
+        """Of a pixel on average; 0 until every pixel has one."""
+        return int(self._average)
+
+    @property
     def progress(self):
-        """0 to 1, of the samples or of the time limit, whichever is further."""
-        work = self._pixel_samples / (self.film.width * self.film.height * self.settings.samples)
+        """0 to 1, of the samples, the time limit or the way to the noise target, whichever is furthest."""
+        work = self._average / self.settings.samples
         if self.time_limit > 0.0:
             work = max(work, self.elapsed_s / self.time_limit)
+        if self.settings.noise_target > 0.0 and not math.isnan(self.error_estimate):
+            work = max(work, self._average / max(self.noise.samples_for(self.settings.noise_target), 1.0))
         return min(work, 1.0)
 
     @property
@@ -137,26 +154,65 @@ class Render:
 
     @property
     def error_estimate(self):
-        """Relative error of the picture so far; see film.passes."""
-        return passes.error_estimate(self.film)
+        """Relative error of the picture so far, as in film.noise; NaN while nothing is known."""
+        return self.noise.error_at(self._average)
 
     def image(self, name, tile=None):
         """The pass `name` as float32 (height, width, channels), bottom row first; of a tile, or of the whole film."""
         return passes.image(self.film, name, tile)
 
+    # ---- Passes ----
+
+    def _next_pass(self):
+        """All threads have finished a pass: begin the next, if there is one."""
+        self.noise.update()
+        self._done = self._budget
+        budget = self._next_budget()
+        targets = budget
+        if budget > UNIFORM_SAMPLES and self.settings.adaptive:
+            samples = passes.pixels(self.film)["samples"]
+            targets = adaptive.distribute(self.noise.importance(), samples, budget, 1 << index_bits(self.settings))
+        with self._changed:
+            self._begin_pass(budget, targets)
+            self._changed.notify_all()
+
+    def _next_budget(self):
+        """Samples of a pixel on average after the next pass; what there is already if the picture is finished."""
+        settings, done = self.settings, self._done
+        budget = min(2 * done, settings.samples)
+        if settings.noise_target > 0.0 and done >= UNIFORM_SAMPLES:
+            needed = self.noise.samples_for(settings.noise_target)
+            budget = done if needed <= done else min(budget, math.ceil(max(needed, LEAST_PASS * done)))
+        return budget
+
+    def _begin_pass(self, budget, targets):
+        """Give the pixels their targets, a number or an array, and make jobs of the tiles that have some way to go."""
+        grid = passes.pixels(self.film)
+        grid["target"] = targets
+        missing = grid["target"] - grid["samples"]
+        most = [int(missing[y : y + h, x : x + w].max()) for x, y, w, h in self.tiles]
+        jobs = [
+            tile
+            for begun in range(0, max(most), LARGEST_JOB)
+            for tile, samples in zip(self.tiles, most, strict=True)
+            if samples > begun
+        ]
+        self._budget, self._jobs, self._open_jobs = budget, iter(jobs), len(jobs)
+        self._next = next(self._jobs, None)
+
     # ---- The threads ----
 
     def _next_job(self):
-        """The next (pass, tile), or None at the end. A tile whose last pass is still at work has to wait for it."""
+        """The next tile, or None at the end. One whose last job is still at work has to wait for it."""
         with self._changed:
-            while not self._stops() and self._next is not None:
-                number, tile = self._next
-                if tile in self._busy:
+            while not self._stops() and self._open_jobs > 0:
+                tile = self._next
+                if tile is None or tile in self._busy:
                     self._changed.wait(0.1)
                     continue
                 self._busy.add(tile)
                 self._next = next(self._jobs, None)
-                return number, tile
+                return tile
         return None
 
     def _stops(self):
@@ -165,39 +221,41 @@ class Render:
 
     def _work(self):
         try:
-            while (job := self._next_job()) is not None:
-                number, tile = job
-                complete = self._render(tile, sum(self.passes[:number]), self.passes[number])
+            while (tile := self._next_job()) is not None:
+                before = self._samples_of(tile)
+                complete = self._render(tile)
                 with self._changed:
                     self._busy.discard(tile)
+                    self._pixel_samples += self._samples_of(tile) - before
+                    is_last = complete and self._open_jobs == 1
                     if complete:
-                        self._finish(number, tile)
+                        self._finished.put(tile)
+                    if complete and not is_last:
+                        self._open_jobs -= 1
                     self._changed.notify_all()
+                if is_last:  # the others wait meanwhile, since a job is open and none is left
+                    self._next_pass()
         except BaseException as error:  # a thread has nobody to raise to: `wait` does it
             self._error = error
             self.cancel()
         finally:
             with self._changed:
+                is_alone = self._running_workers == 1
+                if is_alone and self._open_jobs > 0 and not self.is_cancelled:
+                    self.noise.update()  # out of time in the midst of a pass
                 self._running_workers -= 1
-                if self._running_workers == 0:
+                if is_alone:
                     self._ended = time.perf_counter()
                     self._finished.put(None)  # wakes whoever waits for a tile
 
-    def _finish(self, number, tile):
-        self._finished.put(tile)
-        self._pixel_samples += tile[2] * tile[3] * self.passes[number]
-        self._open_tiles[number] -= 1
-        while self._whole_passes < len(self.passes) and self._open_tiles[self._whole_passes] == 0:
-            self.samples_done += self.passes[self._whole_passes]
-            self._whole_passes += 1
+    def _samples_of(self, tile):
+        return int(passes.pixels(self.film, tile)["samples"].sum())
 
-    def _render(self, tile, first, count):
-        """All samples of a tile in this pass, in batches. False if cancelled before the end."""
+    def _render(self, tile):
+        """A job: up to LARGEST_JOB samples for the pixels of a tile, in batches. False if cancelled before the end."""
         render_tile = RENDER_TILE[self.settings.integrator]
-        for begin in range(first, first + count, LARGEST_BATCH):
-            batch = min(LARGEST_BATCH, first + count - begin)
-            rows = render_tile(self.scene, self.settings, self.film, *tile, begin, batch)
-            if rows < tile[3]:
+        for _ in range(0, LARGEST_JOB, LARGEST_BATCH):
+            if render_tile(self.scene, self.settings, self.film, *tile, LARGEST_BATCH) < tile[3]:
                 return False
         return True
 
@@ -207,21 +265,12 @@ def available_processors():
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def make_passes(samples):
-    """1, 1, 2, 4, 8 ... that add up to `samples`."""
-    passes, done = [], 0
-    while done < samples:
-        count = min(max(done, 1), LARGEST_PASS, samples - done)
-        passes.append(count)
-        done += count
-    return passes
-
-
 def make_tiles(width, height):
     """Tiles (x, y, width, height) that cover the film, from its middle outwards: that is where one looks first."""
+    size = TILE_SIZE if width * height > FEW_TILES * TILE_SIZE**2 else TILE_SIZE // 2
     tiles = [
-        (x, y, min(TILE_SIZE, width - x), min(TILE_SIZE, height - y))
-        for y in range(0, height, TILE_SIZE)
-        for x in range(0, width, TILE_SIZE)
+        (x, y, min(size, width - x), min(size, height - y))
+        for y in range(0, height, size)
+        for x in range(0, width, size)
     ]
     return sorted(tiles, key=lambda t: (t[0] + t[2] / 2 - width / 2) ** 2 + (t[1] + t[3] / 2 - height / 2) ** 2)

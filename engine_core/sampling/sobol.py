@@ -17,27 +17,80 @@ from numba import config, types
 from numba.extending import intrinsic
 
 from ..jit import kernel
+from ..settings import UNIFORM_SAMPLES, SamplerKind
 from .rng import hash_combine, hash_u32, to_unit_float
 
 LK_1, LK_2, LK_3 = np.uint32(0x3D20ADEA), np.uint32(0x05526C56), np.uint32(0x53A22864)
 DIMENSION, SCRAMBLE_0, SCRAMBLE_1 = np.uint32(0x9E3779B9), np.uint32(0x7F4A7C15), np.uint32(0xF39CC060)
-# Which bits move at each step of the multiplication by Pascal's triangle, below.
+# Which bits stay at each step of spreading them, and move at each step of the multiplication by Pascal's triangle.
+SPREADS = tuple(np.uint32(mask) for mask in (0x00FF00FF, 0x0F0F0F0F, 0x33333333, 0x55555555))
 FOLDS = tuple(np.uint32(mask) for mask in (0xFF00FF00, 0xF0F0F0F0, 0xCCCCCCCC, 0xAAAAAAAA))
+
+
+class Sequence(NamedTuple):
+    """The samples of one pixel."""
+
+    seed: np.uint32
+    first: np.uint32  # number of the pixel's first sample in a sequence that it shares with others
+    independent: bool  # SamplerKind.RANDOM
 
 
 class Sampler(NamedTuple):
     """One sample of one pixel: what all its random numbers are made of."""
 
-    seed: np.uint32  # of the pixel
-    index: np.uint32  # number of the sample
-    reversed_index: np.uint32  # its bits reversed: the form in which every draw needs it
+    seed: np.uint32
+    reversed_index: np.uint32  # number of the sample, its bits reversed: the form in which every draw needs it
 
 
 @kernel
-def make_sampler(x, y, index, seed):
-    """The sampler of sample `index` (0, 1, 2 ...) in pixel (x, y) of a picture with that seed."""
-    pixel = np.uint32((np.uint32(y) << np.uint32(16)) ^ np.uint32(x))
-    return Sampler(hash_combine(hash_u32(np.uint32(seed)), pixel), np.uint32(index), reverse_bits(np.uint32(index)))
+def make_sequence(settings, x, y):
+    """The samples of pixel (x, y) of the frame.
+
+    All pixels of a large square share one sequence: each takes the next 2^bits of its points, along a Morton curve.
+    So neighbours' points fill each other's gaps, and their errors tend to cancel: blue noise, and free of cost
+    (Ahmed and Wonka 2020, with base 2 instead of 4). The points of each pixel are as well spread as ever.
+    """
+    x, y, seed = np.uint32(x), np.uint32(y), hash_u32(np.uint32(settings.seed))
+    if settings.sampler == SamplerKind.RANDOM:
+        return Sequence(hash_combine(seed, np.uint32((y << np.uint32(16)) ^ x)), np.uint32(0), True)
+    bits = index_bits(settings)
+    side = np.uint32((32 - bits) // 2)  # log2 of the side of the square
+    square = np.uint32(((y >> side) << np.uint32(16)) ^ (x >> side))
+    mask = np.uint32((np.uint32(1) << side) - np.uint32(1))
+    pixel = np.uint32(spread_bits(np.uint32(x & mask)) | np.uint32(spread_bits(np.uint32(y & mask)) << np.uint32(1)))
+    return Sequence(hash_combine(seed, square), np.uint32(pixel << np.uint32(bits)), False)
+
+
+@kernel
+def index_bits(settings):
+    """log2 of the largest number of samples that a pixel may get: adaptive sampling may give it four times its share.
+
+    The more a pixel might take, the less neighbours share: adaptive pictures have no blue noise.
+    """
+    bits = 0
+    while (1 << bits) < settings.samples:
+        bits += 1
+    return bits + 2 if settings.adaptive != 0 and settings.samples > UNIFORM_SAMPLES else bits
+
+
+@kernel
+def spread_bits(x):
+    """The lower 16 bits of `x` on the even places."""
+    x = np.uint32((x | (x << np.uint32(8))) & SPREADS[0])
+    x = np.uint32((x | (x << np.uint32(4))) & SPREADS[1])
+    x = np.uint32((x | (x << np.uint32(2))) & SPREADS[2])
+    return np.uint32((x | (x << np.uint32(1))) & SPREADS[3])
+
+
+@kernel
+def make_sampler(sequence, index):
+    """The sampler of sample `index` (0, 1, 2 ...) of a pixel.
+
+    Independent samples are each the first point of a sequence of their own.
+    """
+    if sequence.independent:
+        return Sampler(hash_combine(sequence.seed, np.uint32(index)), np.uint32(0))
+    return Sampler(sequence.seed, reverse_bits(np.uint32(sequence.first + np.uint32(index))))
 
 
 @kernel

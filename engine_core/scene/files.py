@@ -124,7 +124,7 @@ def _check_light_tree(name, tables, within):
     within("pairs of lights", first + ~(tables["lights"]["share"][first] >= 1.0), "lights", none_allowed=False)
     within("leaves of lights", tables["lights"]["leaf"] // LIGHT_WIDTH, "light_nodes")
     if (
-        child.max(initial=0) >= len(nodes)
+        child.max(initial=-1) >= len(nodes)
         or (child <= row[:, None])[(child > 0) | ((child == 0) & (nodes["intensity"] != 0.0))].any()
         or parent.min(initial=0) < -1
         or (parent // LIGHT_WIDTH >= row)[parent >= 0].any()
