@@ -1,0 +1,238 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Points scattered over the cells of a lattice, one in each, in one to four dimensions; and distances to them.
+
+A cell is named by its number among the 3^n or 5^n around another, x fastest. What is asked for one cell gets numbers,
+what is asked for eight of them gets lanes.
+"""
+
+import math
+from enum import IntEnum
+from typing import NamedTuple
+
+import numpy as np
+
+from ..jit import inlined_kernel, kernel
+from ..linalg.simd import f32x8, maximum, splat8
+from ..linalg.simd_int import (
+    absolutes,
+    bits_of_floats,
+    floors,
+    powers,
+    splat_int8,
+    square_roots,
+    to_floats,
+    to_integers,
+)
+from ..linalg.vec3 import Vec3, lerp
+from . import hash8
+from .hash import pcg2, pcg3, pcg4, random_color
+
+ZERO, ONE, TWO, THREE, FIVE = (np.float32(x) for x in (0.0, 1.0, 2.0, 3.0, 5.0))
+HALF, THIRD, FIFTH = np.float32(0.5), np.float32(1.0 / 3.0), np.float32(0.2)
+
+
+class VoronoiMetric(IntEnum):
+    """How distance is measured; names and numbers are Blender's."""
+
+    EUCLIDEAN = 0
+    MANHATTAN = 1
+    CHEBYCHEV = 2
+    MINKOWSKI = 3
+
+
+class Point4(NamedTuple):
+    """A point of up to four dimensions: the first counts in one dimension, the first two in two ..."""
+
+    x: np.float32
+    y: np.float32
+    z: np.float32
+    w: np.float32
+
+
+class Lattice(NamedTuple):
+    """What decides where the points lie, and how far they are."""
+
+    dimensions: int
+    metric: int  # VoronoiMetric
+    exponent: np.float32  # of MINKOWSKI
+    randomness: np.float32  # 0: at the corners of their cells
+
+
+# ---- Points ----------------------------------------------------------------------------------------------------------
+
+
+@inlined_kernel
+def cell_count(side, dimensions):
+    """How many cells a cube of 3 or 5 cells a side has."""
+    count = side
+    for _ in range(dimensions - 1):
+        count *= side
+    return count
+
+
+@kernel
+def offset_of(lattice, number, side):
+    """Which of the side^n cells a number means: -1, 0 or 1 along each axis, or up to 2 where there are five."""
+    n, middle = lattice.dimensions, side // 2
+    y, z, w = number // side, number // (side * side), number // (side * side * side)
+    return Point4(
+        np.float32(number % side - middle),
+        np.float32(y % side - middle if n > 1 else 0),
+        np.float32(z % side - middle if n > 2 else 0),
+        np.float32(w - middle if n > 3 else 0),
+    )
+
+
+@kernel
+def point_of(lattice, cell, offset):
+    """The point of one cell, from the corner of the cell that offsets are counted from."""
+    n, r = lattice.dimensions, lattice.randomness
+    at = added(cell, offset)
+    if n == 1:
+        return Point4(offset.x + random_color(at.x, ZERO, ZERO, ZERO, 1).x * r, ZERO, ZERO, ZERO)
+    if n == 2:
+        u = pcg2(np.int32(at.x), np.int32(at.y))
+    elif n == 3:
+        u = pcg3(np.int32(at.x), np.int32(at.y), np.int32(at.z))
+    else:
+        u = pcg4(np.int32(at.x), np.int32(at.y), np.int32(at.z), np.int32(at.w))
+    return Point4(offset.x + u.x * r, offset.y + u.y * r, offset.z + u.z * r, offset.w + u.w * r)
+
+
+@kernel
+def color_of(lattice, cell, offset):
+    n = lattice.dimensions
+    at = added(cell, offset)
+    if n == 1:
+        return random_color(at.x, ZERO, ZERO, ZERO, 1)
+    if n == 4:
+        u = pcg4(np.int32(at.x), np.int32(at.y), np.int32(at.z), np.int32(at.w))
+    else:
+        u = pcg3(np.int32(at.x), np.int32(at.y), np.int32(at.z))  # z is 0 in two dimensions
+    return Vec3(u.x, u.y, u.z)
+
+
+class Points8(NamedTuple):
+    x: f32x8
+    y: f32x8
+    z: f32x8
+    w: f32x8
+
+
+@kernel
+def points_of(lattice, cell, number, side):
+    """The points of eight cells by their numbers, as `_point`; `side` is 3 or 5."""
+    n, r = lattice.dimensions, splat8(lattice.randomness)
+    zero = splat8(ZERO)
+    width, share = splat8(THREE if side == 3 else FIVE), splat8(THIRD if side == 3 else FIFTH)
+    middle = splat8(ONE if side == 3 else TWO)
+    q = to_floats(number)
+    x, q = _digit(q, share, width)
+    x = x - middle
+    if n == 1:
+        none = splat_int8(np.int32(0))
+        u = hash8.unit_floats(hash8.lookup3(bits_of_floats(x + splat8(cell.x)), none, none, 1))
+        return Points8(x + u * r, zero, zero, zero)
+    y, q = _digit(q, share, width)
+    y = y - middle
+    ix, iy = to_integers(x + splat8(cell.x)), to_integers(y + splat8(cell.y))
+    if n == 2:
+        u = hash8.pcg2(ix, iy)
+        return Points8(x + u.x * r, y + u.y * r, zero, zero)
+    z, q = _digit(q, share, width)
+    z = z - middle
+    iz = to_integers(z + splat8(cell.z))
+    if n == 3:
+        u = hash8.pcg3(ix, iy, iz)
+        return Points8(x + u.x * r, y + u.y * r, z + u.z * r, zero)
+    w = q - middle
+    u = hash8.pcg4(ix, iy, iz, to_integers(w + splat8(cell.w)))
+    return Points8(x + u.x * r, y + u.y * r, z + u.z * r, w + u.w * r)
+
+
+@inlined_kernel
+def _digit(q, share, width):
+    """The last digit of whole numbers, in the system with base `width`, and the numbers without it."""
+    rest = floors((q + splat8(HALF)) * share)
+    return q - rest * width, rest
+
+
+# ---- Distances -------------------------------------------------------------------------------------------------------
+
+
+@kernel
+def distance_of(lattice, d):
+    """The length of a vector."""
+    x, y, z, w = abs(d.x), abs(d.y), abs(d.z), abs(d.w)
+    if lattice.dimensions == 1:
+        return x
+    if lattice.metric == VoronoiMetric.MANHATTAN:
+        return x + y + z + w
+    if lattice.metric == VoronoiMetric.CHEBYCHEV:
+        return max(max(x, y), max(z, w))
+    if lattice.metric == VoronoiMetric.MINKOWSKI:
+        e = lattice.exponent
+        return math.pow(math.pow(x, e) + math.pow(y, e) + math.pow(z, e) + math.pow(w, e), 1.0 / e)
+    return math.sqrt(x * x + y * y + z * z + w * w)
+
+
+@kernel
+def bounds_from(lattice, points, p):
+    """What grows with the distance of eight points from `p`, and costs less."""
+    x, y = absolutes(points.x - splat8(p.x)), absolutes(points.y - splat8(p.y))
+    z, w = absolutes(points.z - splat8(p.z)), absolutes(points.w - splat8(p.w))
+    if lattice.metric == VoronoiMetric.EUCLIDEAN or lattice.dimensions == 1:
+        return x * x + y * y + z * z + w * w
+    if lattice.metric == VoronoiMetric.MANHATTAN:
+        return x + y + z + w
+    if lattice.metric == VoronoiMetric.CHEBYCHEV:
+        return maximum(maximum(x, y), maximum(z, w))
+    e = splat8(lattice.exponent)
+    s = powers(x, e) + powers(y, e)
+    if lattice.dimensions > 2:
+        s = s + powers(z, e)
+    return s + powers(w, e) if lattice.dimensions > 3 else s
+
+
+@kernel
+def distances_from(lattice, points, p):
+    """Of eight points from `p`."""
+    d = bounds_from(lattice, points, p)
+    if lattice.metric == VoronoiMetric.EUCLIDEAN or lattice.dimensions == 1:
+        return square_roots(d)
+    return powers(d, splat8(1.0 / lattice.exponent)) if lattice.metric == VoronoiMetric.MINKOWSKI else d
+
+
+# ---- Points of up to four dimensions ---------------------------------------------------------------------------------
+
+
+@kernel
+def floored(p):
+    return Point4(np.floor(p.x), np.floor(p.y), np.floor(p.z), np.floor(p.w))
+
+
+@kernel
+def added(p, q):
+    return Point4(p.x + q.x, p.y + q.y, p.z + q.z, p.w + q.w)
+
+
+@kernel
+def subtracted(p, q):
+    return Point4(p.x - q.x, p.y - q.y, p.z - q.z, p.w - q.w)
+
+
+@kernel
+def scaled(p, s):
+    return Point4(p.x * s, p.y * s, p.z * s, p.w * s)
+
+
+@kernel
+def mixed(p, q, t):
+    return Point4(lerp(p.x, q.x, t), lerp(p.y, q.y, t), lerp(p.z, q.z, t), lerp(p.w, q.w, t))
+
+
+@kernel
+def lessened(lattice, p, c):
+    """A number taken from each coordinate that counts."""
+    n = lattice.dimensions
+    return Point4(p.x - c, p.y - c if n > 1 else ZERO, p.z - c if n > 2 else ZERO, p.w - c if n > 3 else ZERO)
