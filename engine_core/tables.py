@@ -15,7 +15,7 @@ from .linalg.records import Tables
 class TreeKind(IntEnum):
     """What the leaves of a tree hold."""
 
-    TRIANGLES = 0  # packets of four triangles
+    TRIANGLES = 0  # packets of eight triangles
     SHAPES = 1  # analytic shapes, rows of SHAPE
     INSTANCES = 2  # rows of INSTANCE, each with a tree of its own
 
@@ -96,14 +96,14 @@ class MaterialFlag(IntFlag):
 NODE = np.dtype(
     [
         ("bounds", "f4", (6, 8)),  # rows: min x y z, max x y z; a child a column; an empty one is +inf, -inf
-        ("child", "i4", (8,)),  # >= 0: a node; < 0: a leaf, ~(first * 4 + count - 1), first a row by the tree's kind:
-        # a PACKET, a SHAPE or an INSTANCE
+        ("child", "i4", (8,)),  # >= 0: a node; < 0: a leaf, ~row, by the tree's kind
+        # of PACKET, SHAPE or INSTANCE
     ]
 )
 PACKET = np.dtype(
-    [  # four triangles, side by side for SIMD; missing ones have prim -1 and no area
-        ("p", "f4", (3, 3, 4)),  # corner, axis, triangle
-        ("prim", "i4", (4,)),  # row of TRIANGLE
+    [  # eight triangles, side by side for SIMD; missing ones have prim -1 and no area
+        ("p", "f4", (3, 3, 8)),  # corner, axis, triangle
+        ("prim", "i4", (8,)),  # row of TRIANGLE
     ]
 )
 TRIANGLE = np.dtype(
@@ -129,16 +129,17 @@ SHAPE = np.dtype(
     ]
 )
 INSTANCE = np.dtype(
-    [
-        ("to_world", "f4", (3, 4)),
+    [  # two cache lines: what traversal needs, and what shading needs
         ("to_object", "f4", (3, 4)),
-        ("kind", "i4"),  # TreeKind of its tree: TRIANGLES or SHAPES
         ("root", "i4"),  # row of NODE, or -1 if its geometry is in the world's own trees
-        ("slots", "i4"),  # row of SLOT of material slot 0
-        ("lights", "i4"),  # row of LIGHT of its first emissive triangle or shape
+        ("kind", "i4"),  # TreeKind of its tree: TRIANGLES or SHAPES
         ("visibility", "i4"),  # Visibility
+        ("slots", "i4"),  # row of SLOT of material slot 0
+        ("to_world", "f4", (3, 4)),
+        ("lights", "i4"),  # row of LIGHT of its first emissive triangle or shape
         ("pass_index", "i4"),
         ("random", "f4"),  # 0 to 1, Blender's random number of the instance
+        ("unused", "i4"),
     ]
 )
 SLOT = np.dtype([("material", "i4")])

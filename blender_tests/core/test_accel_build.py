@@ -42,7 +42,7 @@ TRIANGLES = {
 
 
 def leaves(nodes):
-    """(first, count, path of (node, child)) of all leaves."""
+    """(row, path of (node, child)) of all leaves."""
     found, todo = [], [(0, ())]
     while todo:
         n, path = todo.pop()
@@ -55,7 +55,7 @@ def leaves(nodes):
             if child >= 0:
                 todo.append((child, here))
             else:
-                found.append(((~child) >> 2, ((~child) & 3) + 1, here))
+                found.append((~child, here))
     return found
 
 
@@ -64,8 +64,8 @@ def test_triangles_are_in_the_tree_once_and_inside_its_boxes(name):
     p = TRIANGLES[name]
     nodes, packets = build_triangles(p)
     seen = []
-    for first, count, path in leaves(nodes):
-        held = packets[first : first + count]["prim"].ravel()
+    for row, path in leaves(nodes):
+        held = packets[row]["prim"]
         held = held[held >= 0]
         seen.extend(held)
         for n, c in path:
@@ -100,10 +100,10 @@ def test_the_stack_of_traversal_holds_any_tree(name):
 
 
 def test_what_stands_together_is_together_in_the_tree():
-    """Eight heaps of four triangles far apart, in any order: one node, and a packet for each heap."""
-    heap = np.arange(32) % 8
+    """Eight heaps of eight triangles far apart, in any order: one node, and a packet for each heap."""
+    heap = np.arange(64) % 8
     corner = np.array([[x, y, z] for x in (0, 10) for y in (0, 13) for z in (0, 17)], np.float32)
-    p = soup(32, 0.5) + corner[heap, None]
+    p = soup(64, 0.5) + corner[heap, None]
     nodes, packets = build_triangles(p)
     assert len(nodes) == 1
     assert len(packets) == 8
@@ -115,9 +115,8 @@ def test_boxes_are_in_the_order_of_their_leaves():
     hi = lo + RANDOM.random((1000, 3)) * 0.1
     nodes, order = build_boxes(lo, hi)
     found = leaves(nodes)
-    assert sorted(first for first, _, _ in found) == list(range(1000))
-    assert {count for _, count, _ in found} == {1}
-    for first, _, path in found:
+    assert sorted(row for row, _ in found) == list(range(1000))
+    for first, path in found:
         for n, c in path:
             bounds = nodes[n]["bounds"][:, c].astype(np.float64)
             assert (lo[order[first]] >= bounds[:3]).all()
@@ -141,8 +140,7 @@ def test_rebased_trees_say_the_same_of_other_rows():
     inner = nodes["child"] > 0
     np.testing.assert_array_equal(own["child"][inner], nodes["child"][inner] + 3)
     leaf = nodes["child"] < 0
-    np.testing.assert_array_equal((~own["child"][leaf]) >> 2, ((~nodes["child"][leaf]) >> 2) + 1000)
-    np.testing.assert_array_equal((~own["child"][leaf]) & 3, (~nodes["child"][leaf]) & 3)
+    np.testing.assert_array_equal(~own["child"][leaf], ~nodes["child"][leaf] + 1000)
     assert before
     prim = packets["prim"].copy()
     rebase_packets(packets, 77)

@@ -114,13 +114,13 @@ def fill_bins(work, start, end, origin, scale, count):
 
 
 @kernel
-def blocks(count, block_shift):
-    """Leaves that `count` boxes fill, each holding 2 ** block_shift."""
-    return np.float32((count + (1 << block_shift) - 1) >> block_shift)
+def leaves(count, leaf_shift):
+    """Leaves that `count` boxes fill, with up to 2 ** leaf_shift in each."""
+    return np.float32((count + (1 << leaf_shift) - 1) >> leaf_shift)
 
 
 @kernel
-def find_split(work, boxes, count, block_shift):
+def find_split(work, boxes, count, leaf_shift):
     """The cheapest border between two of the `count` bins of an axis, by the surface area heuristic."""
     bins = work.bins[0]
     best, best_axis, best_bin = INFINITY, -1, 0
@@ -136,8 +136,8 @@ def find_split(work, boxes, count, block_shift):
             lo, hi = minimum(load4(bins, "lo", first + k), lo), maximum(load4(bins, "hi", first + k), hi)
             left += bins.count[first + k]
             if 0 < left < boxes:
-                right_cost = bins.right_area[k + 1] * blocks(boxes - left, block_shift)
-                cost = half_area(lo, hi) * blocks(left, block_shift) + right_cost
+                right_cost = bins.right_area[k + 1] * leaves(boxes - left, leaf_shift)
+                cost = half_area(lo, hi) * leaves(left, leaf_shift) + right_cost
                 if cost < best:
                     best, best_axis, best_bin = cost, axis, k
     return Split(best_axis, best_bin)
@@ -177,8 +177,8 @@ def push(work, top, node, start, end, depth):
 
 
 @kernel
-def build_binary(work, count, leaf_size, block_shift):
-    """Build the tree over `count` > 0 boxes, down to nodes of at most `leaf_size` boxes. Returns the number of nodes.
+def build_binary(work, count, leaf_shift):
+    """Build the tree over `count` > 0 boxes, down to nodes of at most 2 ** leaf_shift. Returns the number of nodes.
 
     A parent stands before its children. `work.binary` needs 2 count - 1 rows, `work.tasks` MAX_DEPTH + 2.
     """
@@ -189,7 +189,7 @@ def build_binary(work, count, leaf_size, block_shift):
         task = work.tasks[top]
         node, start, end, depth = task.node, task.start, task.end, task.depth
         boxes = end - start
-        if boxes <= leaf_size:
+        if boxes <= 1 << leaf_shift:
             continue
         middle = start
         if depth < SAH_DEPTH:
@@ -203,7 +203,7 @@ def build_binary(work, count, leaf_size, block_shift):
                 bin_scale(lane(extent, 2), wanted),
             )
             fill_bins(work, start, end, origin, scale, bin_count)
-            split = find_split(work, boxes, bin_count, block_shift)
+            split = find_split(work, boxes, bin_count, leaf_shift)
             if split.axis >= 0:
                 middle = partition(work, start, end, origin, scale, bin_count, split)
         if middle in (start, end):  # too deep, or nothing tells the boxes apart

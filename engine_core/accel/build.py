@@ -21,7 +21,7 @@ from .nodes import CORNERS, aligned_rows, rebase, rebase_packets
 
 __all__ = ["aligned_rows", "build_boxes", "build_triangles", "rebase", "rebase_packets"]
 
-MAX_PRIMITIVES = 2**29  # that the children of a node can number
+MAX_PRIMITIVES = 2**30  # that the children of a node can number
 
 
 class TriangleWork(Tables):
@@ -36,7 +36,7 @@ def build_triangles(p):
     boxes = aligned_rows(len(p), BOX)
     corners = p.reshape(-1).view(CORNERS)
     box_triangles(TriangleWork(boxes=boxes, corners=corners), len(p))
-    return _build(boxes, corners, leaf_size=4, block_shift=2)
+    return _build(boxes, corners, leaf_shift=3)
 
 
 def build_boxes(lo, hi):
@@ -50,7 +50,7 @@ def build_boxes(lo, hi):
     lo, hi = np.asarray(lo, np.float64), np.asarray(hi, np.float64)
     margin = 8 * 2.0**-24 * np.maximum(np.abs(lo), np.abs(hi))
     boxes["lo"], boxes["hi"], boxes["prim"] = lo - margin, hi + margin, np.arange(len(lo))
-    nodes, _ = _build(boxes, np.empty(0, CORNERS), leaf_size=1, block_shift=0)
+    nodes, _ = _build(boxes, np.empty(0, CORNERS), leaf_shift=0)
     return nodes, boxes["prim"].copy()
 
 
@@ -59,11 +59,11 @@ def _check(count):
         raise ValueError(f"a tree holds 1 to {MAX_PRIMITIVES - 1} primitives, not {count}")
 
 
-def _build(boxes, corners, leaf_size, block_shift):
+def _build(boxes, corners, leaf_shift):
     count = len(boxes)
     binary = np.empty(2 * count - 1, BINARY)
     work = BinaryWork(boxes=boxes, binary=binary, tasks=np.empty(MAX_DEPTH + 2, TASK), bins=np.empty(1, BINS))
-    made = build_binary(work, count, leaf_size, block_shift)
+    made = build_binary(work, count, leaf_shift)
     leaves = (made + 1) // 2
     with_packets = len(corners) > 0
     nodes = aligned_rows(max(made - leaves, 1), NODE)
@@ -78,7 +78,7 @@ def _build(boxes, corners, leaf_size, block_shift):
         nodes=nodes,
         packets=packets,
     )
-    choose(work, made, leaf_size, block_shift)
+    choose(work, made, leaf_shift)
     node_count, packet_count = emit(work, with_packets)
     return trimmed(nodes, node_count), trimmed(packets, packet_count)
 

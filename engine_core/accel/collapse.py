@@ -12,7 +12,7 @@ from ..linalg.simd import load4
 from ..linalg.vec3 import load3_at
 from ..tables import NODE, PACKET
 from .binary import BINARY, BOX, MAX_DEPTH, half_area
-from .nodes import CORNERS
+from .nodes import CORNERS, WIDTH
 
 CHOICE = np.dtype(  # how a node of the binary tree is best split into at most i + 1 roots, i = 0 .. 6
     [
@@ -40,14 +40,15 @@ class CollapseWork(Tables):
 
 
 @kernel
-def choose(work, made, leaf_size, block_shift):
-    """Fill `work.choices` for all nodes, children first. A leaf of the wide tree has up to `leaf_size` boxes."""
+def choose(work, made, leaf_shift):
+    """Fill `work.choices` for all nodes, children first. A leaf of the wide tree has up to 2 ** leaf_shift boxes."""
+    leaf_size = 1 << leaf_shift
     for n in range(made - 1, -1, -1):
         node, choice = work.binary[n], work.choices[n]
         area = half_area(load4(node, "lo", 0), load4(node, "hi", 0))
         as_leaf = INFINITY
         if node.count <= leaf_size:
-            as_leaf = area * np.float32((node.count + (1 << block_shift) - 1) >> block_shift)
+            as_leaf = area
         if node.left < 0:
             for i in range(7):
                 choice.cost[i], choice.split[i] = as_leaf, 0
@@ -107,18 +108,16 @@ def first_box(work, n):
 
 @kernel
 def pack(work, first, count, packed):
-    """Write the triangles of `count` boxes to packets, from row `packed`. Returns the number of packets."""
-    needed = (count + 3) >> 2
-    for i in range(4 * needed):
-        packet, k = work.packets[packed + (i >> 2)], i & 3
+    """Write the triangles of `count` boxes to the packet of row `packed`."""
+    packet = work.packets[packed]
+    for k in range(WIDTH):
         # what is missing stands as a triangle without area in a corner of another one
-        prim = work.boxes[first + min(i, count - 1)].prim
+        prim = work.boxes[first + min(k, count - 1)].prim
         corners = work.corners[prim]
         for corner in range(3):
-            p = load3_at(corners, "p", corner if i < count else 0)
+            p = load3_at(corners, "p", corner if k < count else 0)
             packet.p[corner, 0, k], packet.p[corner, 1, k], packet.p[corner, 2, k] = p.x, p.y, p.z
-        packet.prim[k] = prim if i < count else -1
-    return needed
+        packet.prim[k] = prim if k < count else -1
 
 
 @kernel
@@ -155,10 +154,10 @@ def emit(work, with_packets):
                 work.open[top].node, work.open[top].parent, work.open[top].slot = n, made, c
                 top += 1
             elif with_packets:
-                needed = pack(work, first_box(work, n), node.count, packed)
-                row.child[c] = ~(packed * 4 + needed - 1)
-                packed += needed
+                pack(work, first_box(work, n), node.count, packed)
+                row.child[c] = ~packed
+                packed += 1
             else:
-                row.child[c] = ~(first_box(work, n) * 4 + node.count - 1)
+                row.child[c] = ~first_box(work, n)
         made += 1
     return made, packed

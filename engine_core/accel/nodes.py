@@ -3,7 +3,10 @@
 
 import numpy as np
 
+from ..tables import PACKET
+
 CORNERS = np.dtype([("p", "f4", (3, 3))])  # of a triangle, as a builder is handed them
+WIDTH = PACKET["prim"].shape[0]  # triangles of a packet
 CACHE_LINE = 64  # bytes; rows that start at one keep the SIMD loads of traversal from straddling two
 
 
@@ -18,7 +21,7 @@ def aligned_rows(count, dtype):
 def rebase(nodes, node_offset, leaf_offset):
     """Move a tree with root 0 in place: its nodes to the rows from `node_offset`, its leaves' rows to `leaf_offset`."""
     child = nodes["child"]
-    nodes["child"] = np.where(child >= 0, child + node_offset, child - 4 * leaf_offset)
+    nodes["child"] = np.where(child >= 0, child + node_offset, child - leaf_offset)
 
 
 def rebase_packets(packets, prim_offset):

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Rays against packets of four triangles, watertight: no ray slips between two triangles that share an edge."""
+"""Rays against packets of eight triangles, watertight: no ray slips between two triangles that share an edge."""
 
 from typing import NamedTuple
 
 import numpy as np
 
 from ..jit import inlined_kernel
-from ..linalg.simd import bits, difference_of_products, f32x4, load4, maximum, minimum, splat4
+from ..linalg.simd import bits, difference_of_products, f32x8, load8, maximum, minimum, splat8
 
 ZERO, ONE = np.float32(0.0), np.float32(1.0)
 
@@ -17,19 +17,19 @@ class Shear(NamedTuple):
     kx: int  # axes of the world that become x, y and z; the ray advances fastest along z
     ky: int
     kz: int
-    ox: f32x4  # its origin, axes exchanged
-    oy: f32x4
-    oz: f32x4
-    sx: f32x4  # the shear
-    sy: f32x4
-    sz: f32x4
+    ox: f32x8  # its origin, axes exchanged
+    oy: f32x8
+    oz: f32x8
+    sx: f32x8  # the shear
+    sy: f32x8
+    sz: f32x8
 
 
 class PacketHit(NamedTuple):
     hits: int  # a bit for each triangle that is hit
-    t: f32x4
-    b1: f32x4
-    b2: f32x4
+    t: f32x8
+    b1: f32x8
+    b2: f32x8
 
 
 @inlined_kernel
@@ -49,7 +49,7 @@ def make_shear(o, d):
         x, y, z = d.x, d.y, d.z
         ox, oy, oz = o.x, o.y, o.z
     sz = ONE / z
-    return Shear(kx, ky, kz, splat4(ox), splat4(oy), splat4(oz), splat4(x * sz), splat4(y * sz), splat4(sz))
+    return Shear(kx, ky, kz, splat8(ox), splat8(oy), splat8(oz), splat8(x * sz), splat8(y * sz), splat8(sz))
 
 
 @inlined_kernel
@@ -60,20 +60,20 @@ def intersect_packet(packet, shear, t_max):
     share to exactly opposite numbers, and 0 is inside: that leaves no gap.
     """
     kx, ky, kz = shear.kx, shear.ky, shear.kz
-    az = load4(packet, "p", kz) - shear.oz
-    bz = load4(packet, "p", kz + 3) - shear.oz
-    cz = load4(packet, "p", kz + 6) - shear.oz
-    ax = load4(packet, "p", kx) - shear.ox - shear.sx * az
-    ay = load4(packet, "p", ky) - shear.oy - shear.sy * az
-    bx = load4(packet, "p", kx + 3) - shear.ox - shear.sx * bz
-    by = load4(packet, "p", ky + 3) - shear.oy - shear.sy * bz
-    cx = load4(packet, "p", kx + 6) - shear.ox - shear.sx * cz
-    cy = load4(packet, "p", ky + 6) - shear.oy - shear.sy * cz
+    az = load8(packet, "p", kz) - shear.oz
+    bz = load8(packet, "p", kz + 3) - shear.oz
+    cz = load8(packet, "p", kz + 6) - shear.oz
+    ax = load8(packet, "p", kx) - shear.ox - shear.sx * az
+    ay = load8(packet, "p", ky) - shear.oy - shear.sy * az
+    bx = load8(packet, "p", kx + 3) - shear.ox - shear.sx * bz
+    by = load8(packet, "p", ky + 3) - shear.oy - shear.sy * bz
+    cx = load8(packet, "p", kx + 6) - shear.ox - shear.sx * cz
+    cy = load8(packet, "p", ky + 6) - shear.oy - shear.sy * cz
     u = difference_of_products(cx, by, cy, bx)
     v = difference_of_products(ax, cy, ay, cx)
     w = difference_of_products(bx, ay, by, ax)
-    zero = splat4(ZERO)
+    zero = splat8(ZERO)
     inside = (minimum(minimum(u, v), w) >= zero) | (maximum(maximum(u, v), w) <= zero)
-    scale = splat4(ONE) / (u + v + w)  # infinite for a triangle without area; t is then not a number, and no hit
+    scale = splat8(ONE) / (u + v + w)  # infinite for a triangle without area; t is then not a number, and no hit
     t = (u * az + v * bz + w * cz) * shear.sz * scale
-    return PacketHit(bits(inside & (t > zero) & (t < splat4(t_max))), t, v * scale, w * scale)
+    return PacketHit(bits(inside & (t > zero) & (t < splat8(t_max))), t, v * scale, w * scale)

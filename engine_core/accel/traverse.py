@@ -84,20 +84,18 @@ def intersect_triangles(scene, root, o, d, t_max):
     prim, b1, b2 = NONE, ZERO, ZERO
     top = start(stack, root)
     while True:
-        leaf, top = next_leaf(scene, slabs, stack, top, t_max)
+        leaf, top = next_leaf(scene, scene.packets, slabs, stack, top, t_max)
         if leaf == NO_LEAF:
             return TreeHit(t_max, prim, b1, b2)
-        first = (~leaf) >> 2
-        for k in range(first, first + ((~leaf) & 3) + 1):
-            packet = scene.packets[k]
-            found = intersect_packet(packet, shear, t_max)
-            hits = found.hits
-            while hits != 0:
-                i = lowest_bit(hits)
-                hits = without_lowest_bit(hits)
-                t = lane(found.t, i)
-                if t < t_max:
-                    t_max, prim, b1, b2 = t, load1(packet, "prim", i), lane(found.b1, i), lane(found.b2, i)
+        packet = scene.packets[~leaf]
+        found = intersect_packet(packet, shear, t_max)
+        hits = found.hits
+        while hits != 0:
+            i = lowest_bit(hits)
+            hits = without_lowest_bit(hits)
+            t = lane(found.t, i)
+            if t < t_max:
+                t_max, prim, b1, b2 = t, load1(packet, "prim", i), lane(found.b1, i), lane(found.b2, i)
 
 
 @kernel
@@ -107,10 +105,10 @@ def intersect_shapes(scene, root, o, d, t_min, t_max):
     prim, b1, b2 = NONE, ZERO, ZERO
     top = start(stack, root)
     while True:
-        leaf, top = next_leaf(scene, slabs, stack, top, t_max)
+        leaf, top = next_leaf(scene, scene.shapes, slabs, stack, top, t_max)
         if leaf == NO_LEAF:
             return TreeHit(t_max, prim, b1, b2)
-        row = (~leaf) >> 2
+        row = ~leaf
         found = dispatch.intersect(scene.shapes[row], o, d, t_min, t_max)
         if found.t < t_max:
             t_max, prim, b1, b2 = found.t, row, found.b1, found.b2
@@ -123,10 +121,10 @@ def intersect_instances(scene, root, o, d, t_max, visibility):
     result = Hit(t_max, TRIANGLES, NONE, NONE, ZERO, ZERO)
     top = start(stack, root)
     while True:
-        leaf, top = next_leaf(scene, slabs, stack, top, result.t)
+        leaf, top = next_leaf(scene, scene.instances, slabs, stack, top, result.t)
         if leaf == NO_LEAF:
             return result
-        row = (~leaf) >> 2
+        row = ~leaf
         instance = scene.instances[row]
         if instance.visibility & visibility == 0:
             continue
@@ -160,13 +158,11 @@ def triangles_occlude(scene, root, o, d, t_max):
     stack, slabs, shear = stack_scratch(), make_slabs(o, d), make_shear(o, d)
     top = start(stack, root)
     while True:
-        leaf, top = any_leaf(scene, slabs, stack, top, t_max)
+        leaf, top = any_leaf(scene, scene.packets, slabs, stack, top, t_max)
         if leaf == NO_LEAF:
             return False
-        first = (~leaf) >> 2
-        for k in range(first, first + ((~leaf) & 3) + 1):
-            if intersect_packet(scene.packets[k], shear, t_max).hits != 0:
-                return True
+        if intersect_packet(scene.packets[~leaf], shear, t_max).hits != 0:
+            return True
 
 
 @kernel
@@ -175,10 +171,10 @@ def shapes_occlude(scene, root, o, d, t_max):
     stack, slabs = stack_scratch(), make_slabs(o, d)
     top = start(stack, root)
     while True:
-        leaf, top = any_leaf(scene, slabs, stack, top, t_max)
+        leaf, top = any_leaf(scene, scene.shapes, slabs, stack, top, t_max)
         if leaf == NO_LEAF:
             return False
-        if dispatch.intersect(scene.shapes[(~leaf) >> 2], o, d, ZERO, t_max).t < t_max:
+        if dispatch.intersect(scene.shapes[~leaf], o, d, ZERO, t_max).t < t_max:
             return True
 
 
@@ -188,10 +184,10 @@ def instances_occlude(scene, root, o, d, t_max):
     stack, slabs = stack_scratch(), make_slabs(o, d)
     top = start(stack, root)
     while True:
-        leaf, top = any_leaf(scene, slabs, stack, top, t_max)
+        leaf, top = any_leaf(scene, scene.instances, slabs, stack, top, t_max)
         if leaf == NO_LEAF:
             return False
-        instance = scene.instances[(~leaf) >> 2]
+        instance = scene.instances[~leaf]
         if instance.visibility & SHADOW == 0:
             continue
         local_o = transform_point(instance, "to_object", o)

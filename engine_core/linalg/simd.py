@@ -228,7 +228,7 @@ def prefetch(typing_context, row):
         signature_ = ir.FunctionType(ir.VoidType(), [BYTE.as_pointer(), INT, INT, INT])
         call = cgutils.get_or_insert_function(builder.module, signature_, "llvm.prefetch.p0")
         start = builder.bitcast(args[0], BYTE.as_pointer())
-        for line in range(0, min(sig.args[0].size, 256), 64):
+        for line in range(0, min(sig.args[0].size, 320), 64):
             at = builder.gep(start, [ir.Constant(LONG, line)])
             builder.call(call, [at, ir.Constant(INT, 0), ir.Constant(INT, 3), ir.Constant(INT, 1)])
         return context.get_dummy_value()

@@ -70,7 +70,7 @@ class _Assembly:
             packets=_concatenate(self.packets, PACKET),
             triangles=_concatenate(self.triangles, TRIANGLE),
             shapes=_concatenate(self.shapes, SHAPE),
-            instances=self.instances,
+            instances=_concatenate([self.instances], INSTANCE),
             slots=np.array([(m,) for m in self.slots], SLOT),
             materials=materials,
             lobes=lobes,
@@ -221,7 +221,9 @@ class _Assembly:
         shared = self.instances[numbers]
         instance_boxes(
             _concatenate(self.nodes, NODE),
+            _concatenate(self.packets, PACKET),
             np.ascontiguousarray(shared["root"]),
+            shared["kind"] == TreeKind.TRIANGLES,
             np.ascontiguousarray(shared["to_world"]),
             low,
             high,
