@@ -40,6 +40,11 @@ class LobeKind(IntEnum):
     COATING = 4  # GGX reflection, Fresnel of a dielectric: the varnish over a Principled base
     TRANSPARENT = 5  # straight through
     TRANSLUCENT = 6  # Lambert, out of the other side
+    ROUGH_DIFFUSE = 7  # Oren and Nayar: alpha_x is the roughness, f0 the colour
+    TOON_DIFFUSE = 8  # a cone about the normal: alpha_x is its size, alpha_y the width of its soft edge
+    TOON_GLOSSY = 9  # ... about the mirrored view
+    SHEEN = 10  # fine fibres: alpha_x is the roughness
+    VELVET = 11  # Ashikhmin's velvet: alpha_x is the roughness
 
 
 TRANSMITTING = (LobeKind.DIELECTRIC, LobeKind.REFRACTION, LobeKind.TRANSLUCENT)

@@ -36,6 +36,11 @@ ESTIMATED = {
     "DIELECTRIC stretched": 0.05,
     "COATING stretched": 0.08,
     "CONDUCTOR gold": 0.02,  # through the F82 curve that fits it best
+    "TOON_GLOSSY": 0.5,  # as if the cone had no part below the horizon
+    "TOON_GLOSSY sharp": 0.5,
+    "VELVET": 0.03,  # from a few directions
+    "VELVET soft": 0.03,
+    "VELVET sharp": 0.03,
     "REFRACTION rough": 0.1,
     "REFRACTION rough from inside": 1.0,  # near the critical angle all or nothing is asked of a smooth curve
 }
@@ -49,7 +54,7 @@ COMPENSATED = {
         ("diamond", LobeKind.DIELECTRIC, 2.42),
     )
     for alpha in (0.03, 0.17, 0.5, 0.8, 1.0)
-}
+} | {f"rough diffuse {r}": lobe(LobeKind.ROUGH_DIFFUSE, alpha_x=r) for r in (0.0, 0.1, 0.5, 1.0)}
 
 
 def furnace(bsdf, wo, samples=SAMPLES):

@@ -15,6 +15,8 @@ from engine_core.jit import kernel
 from engine_core.linalg.vec3 import Vec3
 from engine_core.tables import LobeKind
 
+# Toon is a style of drawing; the table of sheen is fitted to one view at a time.
+NOT_RECIPROCAL = {"TOON_DIFFUSE", "TOON_GLOSSY", "SHEEN"}
 COSINES = np.cos(np.radians([0.0, 20.0, 45.0, 60.0, 75.0, 85.0, 89.0])).astype(np.float32)
 
 
@@ -158,7 +160,7 @@ def test_mirrors_reflect_at_the_same_angle(case):
     assert reflected == pytest.approx((wo * [-1, -1, 1])[None].repeat(len(reflected), 0), abs=1e-6)
 
 
-@pytest.mark.parametrize("case", [c for c in ALL_CASES if c not in DELTAS])
+@pytest.mark.parametrize("case", [c for c in ALL_CASES if c not in DELTAS and c.split()[0] not in NOT_RECIPROCAL])
 def test_swapping_the_directions_changes_nothing(case):
     """f(wo, wi) = f(wi, wo); through an interface ior ** 2 f(wi, wo), as radiance is not scaled there.
 
@@ -169,7 +171,7 @@ def test_swapping_the_directions_changes_nothing(case):
     ior = fields.get("ior", 1.0)
     inside = np.diag([1.0, -1.0, -1.0])  # the frame of someone on the other side
     wo = direction(50.0)
-    bsdf = make_bsdf(lobe(kind, **fields), wo=wo)
+    bsdf, found = make_bsdf(lobe(kind, **fields), wo=wo), 0.0
     for wi in sample_many(bsdf, wo, 50).wi.astype(float):
         if not np.isfinite(wi).all():
             continue
@@ -180,8 +182,9 @@ def test_swapping_the_directions_changes_nothing(case):
             other = make_bsdf(lobe(kind, **fields), wo=wi, frame=inside, backfacing=True)
             scale = ior**2 if kind in (LobeKind.DIELECTRIC, LobeKind.REFRACTION) else 1.0
             back = scale * evaluate_many(other, wi, [wo])[0][0] / wo[2]
-        assert there.max() > 0.0
+        found = max(found, there.max())
         assert there == pytest.approx(back, rel=2e-3)
+    assert found > 0.0
 
 
 @pytest.mark.parametrize("case", ALL_CASES)
@@ -242,7 +245,7 @@ def test_a_view_from_below_the_shading_horizon_is_no_trouble(case):
     bsdf = make_bsdf(lobe(kind, **fields), wo=wo, ng=direction(60.0))
     samples = sample_many(bsdf, wo, 500)
     assert np.isfinite(samples.weight).all()
-    if kind in (LobeKind.DIFFUSE, LobeKind.TRANSLUCENT):
+    if kind in (LobeKind.DIFFUSE, LobeKind.TRANSLUCENT, LobeKind.ROUGH_DIFFUSE, LobeKind.TOON_DIFFUSE, LobeKind.SHEEN):
         assert (samples.pdf > 0.0).any()
     elif kind != LobeKind.TRANSPARENT:
         assert (samples.pdf == 0.0).all()

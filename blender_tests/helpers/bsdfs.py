@@ -6,7 +6,7 @@ import numpy as np
 from engine_core.bsdf import dispatch
 from engine_core.jit import kernel
 from engine_core.linalg.vec3 import Vec3
-from engine_core.tables import BSDF, FresnelKind, LobeKind
+from engine_core.tables import BSDF, MAX_LOBES, FresnelKind, LobeKind
 
 GOLD = {"f0": (0.18, 0.42, 1.37), "f82": (3.42, 2.35, 1.77)}  # n and k at 650, 550 and 450 nm
 
@@ -20,6 +20,16 @@ CASES = {
     LobeKind.DIFFUSE: {"": {}},
     LobeKind.TRANSLUCENT: {"": {}},
     LobeKind.TRANSPARENT: {"": {}},
+    LobeKind.ROUGH_DIFFUSE: {
+        "slightly": {"alpha_x": 0.1},
+        "roughest": {"alpha_x": 1.0},
+        "coloured": {"alpha_x": 0.8, "f0": (0.9, 0.4, 0.1)},
+        "as Lambert": {"alpha_x": 0.0},
+    },
+    LobeKind.TOON_DIFFUSE: {"": _widths(0.5, 0.2), "sharp": {"alpha_x": 0.3}, "widest": _widths(0.9, 0.5)},
+    LobeKind.TOON_GLOSSY: {"": _widths(0.3, 0.2), "sharp": {"alpha_x": 0.2871}},
+    LobeKind.SHEEN: {"": {"alpha_x": 0.5}, "soft": {"alpha_x": 1.0}, "sharp": {"alpha_x": 0.15}},
+    LobeKind.VELVET: {"": {"alpha_x": 0.4}, "soft": {"alpha_x": 1.0}, "sharp": {"alpha_x": 0.1}},
     LobeKind.CONDUCTOR: {
         "mirror": {},
         "sharp": _widths(0.02),
@@ -76,6 +86,7 @@ def make_bsdf(*lobes, wo=None, frame=WORLD, ng=None, backfacing=False):
     """A row of BSDF with these lobes. Rows of `frame`: tangents s and t, and normal n. With `wo`: prepared for it."""
     bsdf = np.zeros(1, BSDF).view(np.recarray)[0]
     bsdf.count = len(lobes)
+    assert len(lobes) <= MAX_LOBES
     bsdf.s, bsdf.t, bsdf.n = frame
     bsdf.ng = bsdf.n if ng is None else ng
     for row, fields in zip(bsdf.lobes, lobes, strict=False):

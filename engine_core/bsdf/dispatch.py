@@ -17,7 +17,20 @@ import numpy as np
 from ..jit import kernel
 from ..linalg.vec3 import BLACK, WHITE, Vec3, average, dot, is_black, load3, max_component, store3
 from ..tables import LobeKind
-from . import coating, conductor, dielectric, diffuse, refraction, translucent, transparent
+from . import (
+    coating,
+    conductor,
+    dielectric,
+    diffuse,
+    refraction,
+    rough_diffuse,
+    sheen,
+    toon_diffuse,
+    toon_glossy,
+    translucent,
+    transparent,
+    velvet,
+)
 from .lobe import ONE, ZERO, no_direction, nothing
 from .microfacet import is_smooth, passes_straight
 
@@ -213,6 +226,16 @@ def lobe_evaluate_and_pdf(lobe, wo, wi):
         return translucent.evaluate_and_pdf(lobe, wo, wi)
     if lobe.kind == LobeKind.TRANSPARENT:
         return transparent.evaluate_and_pdf(lobe, wo, wi)
+    if lobe.kind == LobeKind.ROUGH_DIFFUSE:
+        return rough_diffuse.evaluate_and_pdf(lobe, wo, wi)
+    if lobe.kind == LobeKind.TOON_DIFFUSE:
+        return toon_diffuse.evaluate_and_pdf(lobe, wo, wi)
+    if lobe.kind == LobeKind.TOON_GLOSSY:
+        return toon_glossy.evaluate_and_pdf(lobe, wo, wi)
+    if lobe.kind == LobeKind.SHEEN:
+        return sheen.evaluate_and_pdf(lobe, wo, wi)
+    if lobe.kind == LobeKind.VELVET:
+        return velvet.evaluate_and_pdf(lobe, wo, wi)
     return nothing()
 
 
@@ -232,6 +255,16 @@ def lobe_sample(lobe, wo, u_choice, u0, u1):
         return translucent.sample(lobe, wo, u_choice, u0, u1)
     if lobe.kind == LobeKind.TRANSPARENT:
         return transparent.sample(lobe, wo, u_choice, u0, u1)
+    if lobe.kind == LobeKind.ROUGH_DIFFUSE:
+        return rough_diffuse.sample(lobe, wo, u_choice, u0, u1)
+    if lobe.kind == LobeKind.TOON_DIFFUSE:
+        return toon_diffuse.sample(lobe, wo, u_choice, u0, u1)
+    if lobe.kind == LobeKind.TOON_GLOSSY:
+        return toon_glossy.sample(lobe, wo, u_choice, u0, u1)
+    if lobe.kind == LobeKind.SHEEN:
+        return sheen.sample(lobe, wo, u_choice, u0, u1)
+    if lobe.kind == LobeKind.VELVET:
+        return velvet.sample(lobe, wo, u_choice, u0, u1)
     return no_direction()
 
 
@@ -252,4 +285,14 @@ def lobe_albedo(lobe, wo):
         return translucent.albedo(lobe, wo)
     if lobe.kind == LobeKind.TRANSPARENT:
         return transparent.albedo(lobe, wo)
+    if lobe.kind == LobeKind.ROUGH_DIFFUSE:
+        return rough_diffuse.albedo(lobe, wo)
+    if lobe.kind == LobeKind.TOON_DIFFUSE:
+        return toon_diffuse.albedo(lobe, wo)
+    if lobe.kind == LobeKind.TOON_GLOSSY:
+        return toon_glossy.albedo(lobe, wo)
+    if lobe.kind == LobeKind.SHEEN:
+        return sheen.albedo(lobe, wo)
+    if lobe.kind == LobeKind.VELVET:
+        return velvet.albedo(lobe, wo)
     return BLACK

@@ -7,6 +7,7 @@ import numpy as np
 
 from ..jit import kernel
 from ..linalg.vec3 import BLACK, Vec3
+from ..tables import LobeKind
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
@@ -27,6 +28,18 @@ class LobeSample(NamedTuple):
     weight: Vec3  # f |cos| / pdf
     pdf: np.float32  # per solid angle; of a delta: the probability; 0: there is no direction
     is_delta: bool  # only `sample` finds this direction
+
+
+@kernel
+def is_matt(kind):
+    """Whether paths that a LobeKind sends on count as diffuse."""
+    return (
+        kind == LobeKind.DIFFUSE
+        or kind == LobeKind.ROUGH_DIFFUSE
+        or kind == LobeKind.TOON_DIFFUSE
+        or kind == LobeKind.SHEEN
+        or kind == LobeKind.VELVET
+    )
 
 
 @kernel

@@ -12,6 +12,7 @@ import numpy as np
 
 from ..accel.traverse import intersect_closest
 from ..bsdf import dispatch as bsdf_dispatch
+from ..bsdf.lobe import is_matt
 from ..jit import kernel
 from ..linalg.ray import offset_ray_origin
 from ..linalg.records import scratch_record
@@ -215,7 +216,7 @@ def count_bounce(settings, walk, s):
     if s.is_transmission:
         walk.transmission_bounces += 1
         walk.visibility = Visibility.TRANSMISSION.value
-    elif s.kind == LobeKind.DIFFUSE:
+    elif is_matt(s.kind):
         walk.diffuse_bounces += 1
         walk.visibility = Visibility.DIFFUSE.value
     else:
