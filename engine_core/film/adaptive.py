@@ -7,12 +7,11 @@ deviation (Neyman 1934). Here n is the next power of two, as Sobol points are sp
 
 import numpy as np
 
-FLOOR = 0.25  # of an even share: what each pixel gets at least, however quiet its neighbours seem
 GOLDEN = 0.6180339887498949
 
 
 def distribute(importance, samples, budget, most):
-    """int32 (height, width): samples that each pixel shall have, a power of two from FLOOR `budget` to `most`.
+    """int32 (height, width): samples that each pixel shall have, a power of two up to `most` or as many as it has.
 
     Parameters
     ----------
@@ -23,10 +22,9 @@ def distribute(importance, samples, budget, most):
     # pixels of equal importance shall not all take the step at once
     tie_breaker = 1e-3 * (np.arange(importance.size) * GOLDEN % 1.0).reshape(importance.shape)
     level = np.log2(np.maximum(importance, 1e-12)) + tie_breaker
-    least = np.ceil(np.log2(FLOOR * budget))
 
     def targets(shift):
-        return np.maximum(np.exp2(np.clip(np.round(level + shift), least, np.log2(most))), samples)
+        return np.maximum(np.exp2(np.clip(np.round(level + shift), 0.0, np.log2(most))), samples)
 
     low, high = -64.0, 64.0
     for _ in range(24):

@@ -8,8 +8,10 @@ spread ones more; the picture as a whole tells, by how D^2 falls from one doubli
 
 What belongs to a pixel is never judged by the pixel itself, but by its neighbours. Or the picture would become too
 dark: a pixel that has not met its rare bright path yet would seem to need no more samples, one that has would get them
-(0.7 % too dark among ten thousand glossy instances, 0.2 % in caustics). And an outlier would be compared with its own
-brightness, and count for nothing: the error would seem up to ten times smaller than it is.
+(0.7 % too dark among ten thousand glossy instances, 0.2 % in caustics). For the same reason samples are distributed
+once: neighbours that were given more samples by a bright one of mine would give me more in the next round (0.2 % too
+dark in caustics). And an outlier would be compared with its own brightness, and count for nothing: the error would seem
+up to ten times smaller than it is.
 """
 
 import math

@@ -2,7 +2,7 @@
 """Render: Python threads that hand out tiles to kernels, and tell how far they are.
 
 The whole film is rendered in passes that double its samples: 1, 2, 4, 8 ..., so that a rough picture is there at once.
-After each pass all threads meet: the picture's error is estimated, and the samples of the next pass are distributed
+After each pass all threads meet: the picture's error is estimated, and half-way the rest of the samples is distributed
 over the pixels. A kernel does not hold the GIL, so the threads run side by side. A pixel gets its samples in order from
 one thread at a time: the picture depends on scene and settings alone, not on the number of threads or who was first.
 
@@ -19,6 +19,8 @@ import os
 import queue
 import threading
 import time
+
+import numpy as np
 
 from ..film import adaptive, passes
 from ..film.noise import Noise
@@ -60,8 +62,11 @@ class Render:
         self.time_limit = time_limit
         self.tiles = make_tiles(settings.crop_width, settings.crop_height)
         self.noise = Noise(self.film)
-        self._pixel_samples, self._done, self._busy = 0, 0, set()
-        self._begin_pass(1, 1)
+        self._pixel_samples, self._busy = 0, set()
+        self._done = 0  # samples of a pixel on average, when all pixels last were where they should be ...
+        self._budget, self._goal, self._importance = 1, 1, None  # ... and what they are on their way to
+        self._first_pass_s = 0.0
+        self._begin_pass(self._goal)
         self._changed = threading.Condition()
         self._finished, self._workers = queue.SimpleQueue(), []
         self._error, self._running_workers = None, 0
@@ -166,26 +171,43 @@ class Render:
     def _next_pass(self):
         """All threads have finished a pass: begin the next, if there is one."""
         self.noise.update()
-        self._done = self._budget
-        budget = self._next_budget()
-        targets = budget
-        if budget > UNIFORM_SAMPLES and self.settings.adaptive:
-            samples = passes.pixels(self.film)["samples"]
-            targets = adaptive.distribute(self.noise.importance(), samples, budget, 1 << index_bits(self.settings))
+        samples = passes.pixels(self.film)["samples"]
+        if (samples >= self._goal).all():
+            self._done = self._budget
+            self._first_pass_s = self._first_pass_s or self.elapsed_s  # it may have compiled kernels
+            self._budget, self._goal = self._next_goal(samples)
+        targets = np.minimum(self._goal, 2 * samples)  # how far pixels move in a doubling is what tells the error
         with self._changed:
-            self._begin_pass(budget, targets)
+            self._begin_pass(targets)
             self._changed.notify_all()
 
-    def _next_budget(self):
-        """Samples of a pixel on average after the next pass; what there is already if the picture is finished."""
-        settings, done = self.settings, self._done
-        budget = min(2 * done, settings.samples)
+    def _next_goal(self, samples):
+        """(samples of a pixel on average, samples of each pixel: a number or an array) to reach; as now at the end.
+
+        Adaptive sampling gives one half to all pixels alike, and the other where that half has shown the most noise.
+        """
+        done, end = self._done, self._expected_end()
+        if end <= done:
+            return done, samples.copy()
+        if not self.settings.adaptive or end <= UNIFORM_SAMPLES or 4 * done <= end:
+            goal = min(2 * done, end)
+            return goal, goal
+        if self._importance is None:
+            self._importance = self.noise.importance()
+        return end, adaptive.distribute(self._importance, samples, end, 1 << index_bits(self.settings))
+
+    def _expected_end(self):
+        """Samples of a pixel on average when the first of the three limits will be reached, as far as one knows yet."""
+        settings, done, end = self.settings, self._done, float(self.settings.samples)
         if settings.noise_target > 0.0 and done >= UNIFORM_SAMPLES:
             needed = self.noise.samples_for(settings.noise_target)
-            budget = done if needed <= done else min(budget, math.ceil(max(needed, LEAST_PASS * done)))
-        return budget
+            end = min(end, done if needed <= done else max(needed, LEAST_PASS * done))
+        if self.time_limit > 0.0 and done > 1:
+            speed = (done - 1.0) / (self.elapsed_s - self._first_pass_s)
+            end = min(end, max(done + speed * (self.time_limit - self.elapsed_s), LEAST_PASS * done))
+        return math.ceil(end)
 
-    def _begin_pass(self, budget, targets):
+    def _begin_pass(self, targets):
         """Give the pixels their targets, a number or an array, and make jobs of the tiles that have some way to go."""
         grid = passes.pixels(self.film)
         grid["target"] = targets
@@ -197,7 +219,7 @@ class Render:
             for tile, samples in zip(self.tiles, most, strict=True)
             if samples > begun
         ]
-        self._budget, self._jobs, self._open_jobs = budget, iter(jobs), len(jobs)
+        self._jobs, self._open_jobs = iter(jobs), len(jobs)
         self._next = next(self._jobs, None)
 
     # ---- The threads ----
