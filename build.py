@@ -103,6 +103,9 @@ def render_job(arguments):
         "threads": arguments.threads,
         "time_limit": arguments.time_limit,
         "integrator": arguments.integrator,
+        "noise_target": arguments.noise_target,
+        "sampler": arguments.sampler and arguments.sampler.upper(),
+        "use_adaptive": False if arguments.uniform else None,
     }
 
 
@@ -320,6 +323,11 @@ def parser():
     sub.add_argument(
         "--time-limit", type=at_least(0, float), metavar="S", help="stop after so many seconds of rendering"
     )
+    sub.add_argument(
+        "--noise-target", type=at_least(0, float), metavar="PERCENT", help="stop when the picture's noise is that low"
+    )
+    sub.add_argument("--uniform", action="store_true", help="as many samples for each pixel: no adaptive sampling")
+    sub.add_argument("--sampler", choices=["sobol", "random"], help="(default: what the file says)")
     sub.add_argument("--threads", type=at_least(1), metavar="N", help="(default: one for each core)")
     sub.add_argument("--seed", type=at_least(0), metavar="N", help="another seed, another pattern of noise")
     sub.add_argument("--blender", metavar="COMMAND", help="an installed Blender, 4.5 or later, instead of the module")

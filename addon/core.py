@@ -25,9 +25,10 @@ def _import(name):
 
 jit = _import("jit")
 materials = _import("scene.materials")
-FilterKind, IntegratorKind, Settings = (
-    getattr(_import("settings"), name) for name in ("FilterKind", "IntegratorKind", "Settings")
+FilterKind, IntegratorKind, SamplerKind, Settings = (
+    getattr(_import("settings"), name) for name in ("FilterKind", "IntegratorKind", "SamplerKind", "Settings")
 )
+status = _import("integrator.status")
 Scene, Visibility = (getattr(_import("tables"), name) for name in ("Scene", "Visibility"))
 SceneBuilder = _import("scene.builder").SceneBuilder
 SceneError = _import("scene.checks").SceneError

@@ -9,6 +9,7 @@ import time
 
 import bpy
 
+from .core import status
 from .export import export_scene
 from .export.report import Report
 from .messages import tell_warnings
@@ -59,12 +60,12 @@ def _export(engine, depsgraph, report, crop):
 
 def _run(engine, session, result):
     """Render and show; False when cancelled."""
-    screen, status = Screen(result), Status(engine)
+    screen, line = Screen(result), Status(engine)
     cancelled = False
     session.start()
     try:
         while session.is_running and not (cancelled := engine.test_break()):
-            status.tell(session)
+            line.tell(session)
             screen.add(session.finished_tiles(POLL_S))
             if is_watched():
                 screen.refresh(session.render)
@@ -80,8 +81,8 @@ def _run(engine, session, result):
         screen.give_up(session.render)
     else:
         result.write(session.render)
-        result.stamp(samples=session.render.samples_done, render_time=f"{session.render.elapsed_s:.3f} s")
-    status.tell(session, now=True)
+        result.stamp(status.metadata(session.render))
+    line.tell(session, now=True)
     return not cancelled
 
 
@@ -135,10 +136,10 @@ class Status:
 
 
 def status_text(session):
-    """For example: Sample 16/128 | Elapsed 00:03.20 | Remaining 00:21.64"""
+    """For example: Sample 16/128, noise 4.1 % | Elapsed 00:03.20 | Remaining 00:21.64"""
     parts = [session.phase.value]
     if session.first_tile_s is not None:
-        parts = [f"Sample {session.render.samples_done}/{session.settings.samples}"]
+        parts = [status.text(session.render)]
     parts.append(f"Elapsed {clock_text(session.elapsed_s)}")
     if session.phase == Phase.RENDERING and (remaining := session.remaining_s) is not None:
         parts.append(f"Remaining {clock_text(remaining)}")

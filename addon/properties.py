@@ -13,6 +13,10 @@ INTEGRATORS = (
     ("BRUTE_FORCE", "Brute Force", "Scatter by the material alone and find lights by luck: slow, but plain to see", 0),
     ("PATH", "Path", "Sample lights and materials at each bounce, weighted against each other", 2),
 )
+SAMPLERS = (
+    ("SOBOL", "Sobol", "Well-spread points: less noise, and finer to look at", 0),
+    ("RANDOM", "Random", "Independent random numbers, to compare with", 1),
+)
 FILTERS = (
     ("BOX", "Box", "Every sample counts for its own pixel, evenly", 0),
     ("GAUSSIAN", "Gaussian", "Soft", 1),
@@ -35,10 +39,33 @@ class LambentSceneSettings(bpy.types.PropertyGroup):
     # ---- Sampling ----
     integrator: EnumProperty(name="Integrator", items=INTEGRATORS, default="PATH", description="How light is followed")
     samples: IntProperty(
-        name="Samples", default=128, min=1, max=1 << 24, description="Number of paths traced through each pixel"
+        name="Samples",
+        default=128,
+        min=1,
+        max=1 << 24,
+        description="Number of paths traced through each pixel; on average, when sampling is adaptive",
     )
     viewport_samples: IntProperty(
         name="Viewport Samples", default=256, min=1, max=1 << 24, description="Where the rendered viewport stops"
+    )
+    use_adaptive: BoolProperty(
+        name="Adaptive",
+        default=True,
+        description="Give one half of the samples to all pixels alike, and the other to those that need it most",
+    )
+    noise_target: FloatProperty(
+        name="Noise Target",
+        default=0.0,
+        min=0.0,
+        soft_max=20.0,
+        max=100.0,
+        precision=1,
+        subtype="PERCENTAGE",
+        description="Stop when the noise of the picture, its error in relation to its brightness, is estimated to be "
+        "that low; 0 is no target",
+    )
+    sampler: EnumProperty(
+        name="Sampler", items=SAMPLERS, default="SOBOL", description="Where the random numbers of paths come from"
     )
     time_limit: FloatProperty(
         name="Time Limit",

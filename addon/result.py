@@ -109,7 +109,7 @@ class Result:
         if not self._is_begun:
             self._engine.end_result(self._engine.begin_result(0, 0, 1, 1, layer=self._layer, view=self._view))
 
-    def stamp(self, **fields):
-        """Put text beside the pixels: it lands in the header of the saved file."""
-        for name, value in fields.items():
-            self._engine.get_result().stamp_data_add_field(f"lambent.{self._layer}.{name}", str(value))
+    def stamp(self, fields):
+        """Put texts, by name, beside the pixels: they land in the header of the saved file."""
+        for name, text in fields.items():
+            self._engine.get_result().stamp_data_add_field(f"lambent.{self._layer}.{name}", text)

@@ -10,7 +10,7 @@ import threading
 import time
 
 from . import compile_cache
-from .core import FilterKind, IntegratorKind, Render, Settings
+from .core import FilterKind, IntegratorKind, Render, SamplerKind, Settings
 
 
 class Phase(enum.Enum):
@@ -33,6 +33,9 @@ def settings_from(b_scene, crop, overrides=None):
         crop_height=crop.height,
         samples=ours.samples,
         seed=ours.seed + (b_scene.frame_current if ours.use_animated_seed else 0),
+        sampler=int(SamplerKind[ours.sampler]),
+        adaptive=int(ours.use_adaptive),
+        noise_target=ours.noise_target / 100.0,
         integrator=int(IntegratorKind[ours.integrator]),
         max_bounces=ours.max_bounces,
         diffuse_bounces=ours.diffuse_bounces,

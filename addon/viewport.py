@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 
 from . import compile_cache
-from .core import Render, Scene, SceneBuilder
+from .core import Render, Scene, SceneBuilder, status
 from .export.camera import lens
 from .export.context import Context
 from .export.instances import export_instances
@@ -138,7 +138,7 @@ class Work:
 
     def _put_out(self, render):
         self.picture = np.clip(render.image("Combined"), -LARGEST_HALF, LARGEST_HALF)
-        self.text = f"Sample {render.samples_done}/{self._settings.samples}"
+        self.text = status.text(render)
         self.is_new = True
 
 

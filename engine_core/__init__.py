@@ -3,4 +3,6 @@
 
 from . import jit
 
+__version__ = "0.1.0"  # as in pyproject.toml
+
 jit.use_cache()

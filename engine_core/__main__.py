@@ -6,10 +6,11 @@ import sys
 import time
 
 from .film.output import save_image
+from .integrator import status
 from .integrator.tiles import Render
 from .scene.checks import SceneError
 from .scene.files import load_scene
-from .settings import IntegratorKind
+from .settings import IntegratorKind, SamplerKind
 
 
 def main(arguments=None):
@@ -21,6 +22,9 @@ def main(arguments=None):
     render.add_argument("-o", "--output", help="picture: .png, .exr or .npy (default: the scene's name, .png)")
     render.add_argument("--samples", type=int, help="samples per pixel")
     render.add_argument("--seed", type=int)
+    render.add_argument("--sampler", choices=[kind.name.lower() for kind in SamplerKind])
+    render.add_argument("--uniform", action="store_true", help="as many samples for each pixel: no adaptive sampling")
+    render.add_argument("--noise-target", type=float, metavar="PERCENT", help="stop when the noise is that low")
     render.add_argument("--integrator", choices=[kind.name.lower() for kind in IntegratorKind])
     render.add_argument("--threads", type=int, default=0, help="default: one for each processor")
     render.add_argument("--time-limit", type=float, default=0.0, metavar="SECONDS")
@@ -39,6 +43,12 @@ def render_file(options):
     changes = {name: getattr(options, name) for name in ("samples", "seed") if getattr(options, name) is not None}
     if options.integrator:
         changes["integrator"] = int(IntegratorKind[options.integrator.upper()])
+    if options.sampler:
+        changes["sampler"] = int(SamplerKind[options.sampler.upper()])
+    if options.uniform:
+        changes["adaptive"] = 0
+    if options.noise_target is not None:
+        changes["noise_target"] = options.noise_target / 100.0
     output = options.output or options.scene.rsplit(".", 1)[0] + ".png"
     render = Render(scene, settings._replace(**changes), options.threads, options.time_limit)
     render.start()
@@ -49,15 +59,15 @@ def render_file(options):
             time.sleep(0.2)
     render.wait()
     print("\r" + progress_line(render), file=sys.stderr)
-    save_image(output, render.image("Combined"))
-    print(f"{output}: {render.samples_done} samples in {render.elapsed_s:.1f} s")
+    save_image(output, render.image("Combined"), status.metadata(render))
+    print(f"{output}: {status.text(render)}, in {render.elapsed_s:.1f} s")
     return 0
 
 
 def progress_line(render):
     remaining = render.remaining_s
     left = "" if remaining is None else f", {remaining:.0f} s left"
-    return f"{render.progress:4.0%}  {render.samples_done} of {render.settings.samples} samples{left}      "
+    return f"{render.progress:4.0%}  {status.text(render)}{left}      "
 
 
 def print_info(path):

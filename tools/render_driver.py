@@ -4,8 +4,8 @@
     python tools/render_driver.py -- JOB             blender -b --python tools/render_driver.py -- JOB
 
 JOB is the JSON of a dict: file, out, engine, and as wanted width, height, frame, samples, seed, threads, time_limit,
-integrator. Lines that start with MARK and hold a JSON list are for build.py: ["progress", 0.5 or null, text],
-["error", text], ["done", path].
+integrator, noise_target, sampler, use_adaptive. Lines that start with MARK and hold a JSON list are for build.py:
+["progress", 0.5 or null, text], ["error", text], ["done", path].
 """
 
 import json
@@ -82,6 +82,11 @@ def prepare(scene, job):
     settings = scene.cycles if job["engine"] == "CYCLES" else scene.lambent
     for name in ("samples", "seed", "time_limit"):
         if job.get(name) is not None:
+            setattr(settings, name, job[name])
+    for name in ("noise_target", "sampler", "use_adaptive"):
+        if job.get(name) is not None:
+            if job["engine"] == "CYCLES":
+                raise JobError(f"{name.replace('_', ' ')} is a setting of Lambent's, not of Cycles'")
             setattr(settings, name, job[name])
     if job.get("integrator"):
         choose_integrator(settings, job["integrator"])

@@ -232,7 +232,7 @@ def test_status_tells_samples_and_time(scene, tmp_path, monkeypatch):
     render(tmp_path / "picture.exr")
     lines = [line for _, line in calls]
     assert lines[0] == "Reading the scene"
-    assert any("Remaining" in line and "/2000 | Elapsed 00:0" in line for line in lines)
+    assert any("Remaining" in line and "/2000, noise " in line and " % | Elapsed 00:0" in line for line in lines)
     assert lines[-1].startswith("Sample 2000/2000")
 
 

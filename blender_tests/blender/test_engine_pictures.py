@@ -4,10 +4,12 @@
 import bpy
 import numpy as np
 import pytest
+from PIL import Image
 
 from addon.result import MISSING_PASSES
 from blender_tests.helpers.exr import read_exr
 from blender_tests.helpers.small_blend import SIZE, enable_cycles, render, save_as_exr
+from engine_core.integrator.tiles import make_tiles
 
 WIDTH, HEIGHT = SIZE
 
@@ -184,12 +186,30 @@ def test_stereo_views_differ_by_the_eye(scene, tmp_path):
 # ---- What the file says, and what must not matter --------------------------------------------------------------------
 
 
+SAID = ("engine", "integrator", "sampler", "adaptive", "seed", "samples", "render_time", "estimated_error")
+
+
 def test_the_file_says_how_it_was_rendered(scene, tmp_path):
+    scene.lambent.seed = 5
     save_as_exr(scene, tmp_path / "picture.exr", layers=True)
     bpy.ops.render.render(write_still=True)
     _, header = read_exr(tmp_path / "picture.exr")
-    assert header[f"lambent.{scene.view_layers[0].name}.samples"] == "4"
-    assert float(header[f"lambent.{scene.view_layers[0].name}.render_time"].split()[0]) > 0
+    said = {name: header[f"lambent.{scene.view_layers[0].name}.{name}"] for name in SAID}
+    assert said["samples"] == "4"
+    assert said["seed"] == "5"
+    assert said["integrator"] == "path"
+    assert said["engine"].startswith("Lambent ")
+    assert float(said["render_time"].split()[0]) > 0
+    assert 0.01 < float(said["estimated_error"].split()[0]) < 100.0
+
+
+def test_a_png_says_how_it_was_rendered_too(scene, tmp_path):
+    scene.render.filepath = str(tmp_path / "picture.png")
+    scene.render.image_settings.file_format = "PNG"
+    bpy.ops.render.render(write_still=True)
+    said = Image.open(tmp_path / "picture.png").text
+    for name in SAID:
+        assert said[f"lambent.{scene.view_layers[0].name}.{name}"]
 
 
 def test_threads_do_not_matter(scene, tmp_path):
@@ -235,4 +255,4 @@ def test_tiles_that_come_while_rendering_add_up_to_the_same_picture(scene, tmp_p
 
     assert (tiled == whole).all()
     assert written[-1] is None  # all of it in the end
-    assert {tile[:2] for tile in written if tile} == {(x, y) for x in (0, 64, 128) for y in (0, 64)}
+    assert {tile for tile in written if tile} == set(make_tiles(150, 70))

@@ -8,13 +8,15 @@ import numpy as np
 FORMATS = (".png", ".exr", ".npy")
 
 
-def save_image(path, pixels):
+def save_image(path, pixels, metadata=None):
     """Write `pixels`, float32 (h, w, 3 or 4), linear, bottom row first, in the format that the name's ending tells.
 
     .exr and .npy keep the linear values. .png gets the sRGB curve, and colours beyond 1 are cut off.
+    `metadata`, {name: text}, is written into the header of .png and .exr, each name after "lambent.".
     Raises ValueError for another ending.
     """
     ending = Path(path).suffix.lower()
+    texts = {f"lambent.{name}": text for name, text in (metadata or {}).items()}
     upright = np.ascontiguousarray(pixels[::-1])
     if ending == ".npy":
         np.save(path, upright)
@@ -22,17 +24,20 @@ def save_image(path, pixels):
         import OpenEXR
 
         channels = {"RGBA"[: upright.shape[2]]: upright}
-        header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+        header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage, **texts}
         OpenEXR.File(header, channels).write(str(path))
     elif ending == ".png":
-        from PIL import Image
+        from PIL import Image, PngImagePlugin
 
         color = srgb(np.clip(upright, 0.0, 1.0))
         if color.shape[2] == 4:  # PNG's alpha is not premultiplied
             alpha = np.clip(upright[..., 3:], 0.0, 1.0)
             straight = np.divide(upright[..., :3], alpha, out=np.zeros_like(upright[..., :3]), where=alpha > 0)
             color = np.concatenate([srgb(np.clip(straight, 0.0, 1.0)), alpha], axis=-1)
-        Image.fromarray(np.round(color * 255.0).astype(np.uint8)).save(path)
+        info = PngImagePlugin.PngInfo()
+        for name, text in texts.items():
+            info.add_text(name, text)
+        Image.fromarray(np.round(color * 255.0).astype(np.uint8)).save(path, pnginfo=info)
     else:
         raise ValueError(f"{path}: a picture ends in one of {', '.join(FORMATS)}")
 

@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Rendering to files without Blender: the picture is the render's, and the file says how it was made."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import OpenEXR
+import pytest
+from PIL import Image
+
+import engine_core
+from blender_tests.helpers.scenes import builder, settings, sphere
+from engine_core.__main__ import main
+from engine_core.integrator.tiles import Render
+from engine_core.scene.files import save_scene
+from engine_core.scene.materials import Diffuse
+
+
+@pytest.fixture(scope="module")
+def scene():
+    b = builder(eye=(0, -3, 0))
+    sphere(b, Diffuse((0.7, 0.5, 0.3)))
+    b.background((0.4, 0.5, 0.6))
+    b.point_light("Lamp", (2, -2, 2), (100, 100, 100), radius=0.3)
+    return b.build()
+
+
+@pytest.fixture
+def file(scene, tmp_path):
+    path = tmp_path / "ball.lambent"
+    save_scene(path, scene, settings(24, samples=4, seed=3))
+    return str(path)
+
+
+def header_of(path):
+    if Path(path).suffix == ".png":
+        return Image.open(path).text
+    return OpenEXR.File(str(path)).header()
+
+
+def said(path):
+    return {name[len("lambent.") :]: text for name, text in header_of(path).items() if name.startswith("lambent.")}
+
+
+@pytest.mark.parametrize("ending", [".png", ".exr"])
+def test_a_file_says_how_it_was_rendered(file, tmp_path, ending):
+    out = tmp_path / f"out{ending}"
+    assert main(["render", file, "-o", str(out), "--sampler", "random", "--uniform", "--samples", "8"]) == 0
+    told = said(out)
+    assert told["engine"] == f"Lambent {engine_core.__version__}"
+    assert (told["integrator"], told["sampler"], told["adaptive"]) == ("path", "random", "no")
+    assert (told["seed"], told["samples"]) == ("3", "8")
+    assert float(told["render_time"].split()[0]) > 0
+    assert re.fullmatch(r"[0-9.e+]+ %", told["estimated_error"])
+
+
+def test_a_file_holds_the_picture(scene, file, tmp_path):
+    out = tmp_path / "out.npy"
+    assert main(["render", file, "-o", str(out)]) == 0
+    render = Render(scene, settings(24, samples=4, seed=3))
+    render.run()
+    np.testing.assert_array_equal(np.load(out)[::-1], render.image("Combined"))
+
+
+def test_the_command_line_stops_at_a_noise_target(file, tmp_path):
+    out = tmp_path / "out.exr"
+    assert main(["render", file, "-o", str(out), "--samples", "100000", "--noise-target", "5"]) == 0
+    assert float(said(out)["estimated_error"].split()[0]) <= 5.0
+    assert int(said(out)["samples"]) < 100_000
+
+
+def test_the_version_is_that_of_the_project():
+    text = (Path(engine_core.__file__).parents[1] / "pyproject.toml").read_text(encoding="utf-8")
+    assert f'version = "{engine_core.__version__}"' in text
