@@ -25,6 +25,9 @@ def _import(name):
 
 jit = _import("jit")
 materials = _import("scene.materials")
+graph, opcodes = _import("shader.graph"), _import("shader.opcodes")
+CURVE_SIZE = _import("program_tables").CURVE_SIZE
+ProgramTables = _import("shader.program").ProgramTables
 FilterKind, IntegratorKind, SamplerKind, Settings = (
     getattr(_import("settings"), name) for name in ("FilterKind", "IntegratorKind", "SamplerKind", "Settings")
 )

@@ -56,6 +56,18 @@ def variant(function, name, **meanings):
     return other
 
 
+def entry_point(function, *argument_types):
+    """Compile a kernel that others call through its address: `.address`, for `linalg.registers.call`.
+
+    Such a call is a border for the compiler, too. What lies behind it is compiled once, and only in a process that asks
+    for the address; callers need not be compiled anew with it inside of them, as with an ordinary kernel.
+    Keep the returned object for as long as anybody may call.
+    """
+    signature = numba.void(*argument_types)
+    options = {"cache": True, "error_model": "numpy", "fastmath": FASTMATH}
+    return numba.cfunc(signature, **options)(float32_literals(function))
+
+
 def float32_literals(function):
     """The same function with every float constant narrowed to float32."""
     code = function.__code__

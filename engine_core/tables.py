@@ -10,6 +10,20 @@ from enum import IntEnum, IntFlag
 import numpy as np
 
 from .linalg.records import Tables
+from .program_tables import (
+    ATTRIBUTE,
+    ATTRIBUTE_MAP,
+    CELL,
+    CLOSURE,
+    CURVE,
+    IMAGE,
+    KERNEL,
+    OBJECT,
+    OP,
+    PATCH,
+    PROGRAM,
+    TEXEL,
+)
 
 
 class TreeKind(IntEnum):
@@ -184,6 +198,9 @@ BSDF = np.dtype(
 )
 MATERIAL = np.dtype(
     [
+        ("program", "i4"),  # row of PROGRAM that makes its lobes and emission at a hit; 0: the constants below ...
+        ("emission_program", "i4"),  # ... its emission alone
+        ("transparency_program", "i4"),  # ... its transparency alone
         ("lobes", "i4"),  # first row of LOBE
         ("lobe_count", "i4"),
         ("emission", "f4", (3,)),  # radiance of the surface
@@ -214,6 +231,7 @@ LIGHT = np.dtype(
         ("spread", "f4"),  # QUAD, DISK: tangent of the half angle that it shines into; infinite: Lambertian
         ("is_delta", "i4"),  # 1: no ray hits it by chance: radius 0, angle 0, spread 0
         ("two_sided", "i4"),  # TRIANGLE, and analytic shapes of the scene
+        ("program", "i4"),  # row of PROGRAM that makes its radiance, `emission` being the mean; 0: it is constant
         ("visibility", "i4"),  # Visibility
         ("instance", "i4"),  # TRIANGLE, and analytic shapes of the scene: rows of what emits; lamps: -1
         ("prim", "i4"),
@@ -262,7 +280,11 @@ WORLD = np.dtype(
         ("shape_root", "i4"),
         ("instance_root", "i4"),  # ... and the tree over all other instances
         ("lamp_root", "i4"),  # shapes of lamps: seen by rays, in nobody's way
-        ("background", "f4", (3,)),  # radiance
+        ("background", "f4", (3,)),  # radiance; of a world with a program, the mean
+        ("background_program", "i4"),  # row of PROGRAM; 0: constant
+        ("map_width", "i4"),  # cells of the map that the world is sampled by; 0: from all sides alike
+        ("map_height", "i4"),
+        ("attribute_count", "i4"),  # rows of ATTRIBUTE
         ("background_light", "i4"),
         ("background_visibility", "i4"),
         ("suns", "i4"),  # row of LIGHT of the first sun; suns stand together
@@ -286,11 +308,23 @@ class Scene(Tables):
     triangles = TRIANGLE
     shapes = SHAPE
     instances = INSTANCE
+    objects = OBJECT
     slots = SLOT
     materials = MATERIAL
     lobes = LOBE
+    programs = PROGRAM
+    ops = OP
+    closures = CLOSURE
+    patches = PATCH
+    kernels = KERNEL
+    curves = CURVE
+    images = IMAGE
+    texels = TEXEL
+    attribute_maps = ATTRIBUTE_MAP
+    attributes = ATTRIBUTE
     lights = LIGHT
     light_nodes = LIGHT_NODE
+    world_map = CELL
     camera = CAMERA
     world = WORLD
 

@@ -7,8 +7,8 @@ from functools import cached_property
 import bpy
 
 from ..core import SceneBuilder
+from .attributes import wanted_names
 from .report import Report
-from .stand_in import StandIns
 
 
 @dataclass
@@ -20,11 +20,16 @@ class Context:
     height: int
     engine: bpy.types.RenderEngine | None = None
     materials: dict = field(default_factory=dict)  # a material's address in Blender: its number in the builder
-    stand_ins: StandIns = field(default_factory=StandIns)
+    images: dict = field(default_factory=dict)  # an image's address in Blender: its Image
 
     @cached_property
     def scene(self):
         return self.depsgraph.scene_eval
+
+    @cached_property
+    def attribute_names(self):
+        """Names of the attributes that shader nodes ask for."""
+        return wanted_names()
 
     @cached_property
     def view_layer(self):

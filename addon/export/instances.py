@@ -5,7 +5,6 @@ Blender hands everything out as one flat list. What is no mesh but has a surface
 a second time, as a mesh.
 """
 
-import zlib
 from typing import NamedTuple
 
 import numpy as np
@@ -83,6 +82,7 @@ def export_instances(context):
             visibility,
             source.pass_index,
             _random(b_instance, source.name),
+            b_object.color,
         )
 
 
@@ -128,7 +128,7 @@ def _shape(b_object):
 
 
 def _read_mesh(context, name, b_mesh):
-    arrays = mesh_arrays(b_mesh)
+    arrays = mesh_arrays(b_mesh, context.attribute_names)
     if arrays is None:
         return None
     arrays, broken = without_broken_triangles(arrays)
@@ -153,9 +153,30 @@ def _is_holdout(context, b_object):
 
 
 def _random(b_instance, name):
-    """A number from 0 to 1 that stays with an instance, or with the name of an object."""
-    number = b_instance.random_id if b_instance.is_instance else zlib.crc32(name.encode())
-    return (number & 0xFFFFFFFF) / 2.0**32
+    """A number from 0 to 1 that stays with an instance, or with the name of an object; the one that Cycles gives it."""
+    number = b_instance.random_id if b_instance.is_instance else hash_of_name(name)
+    return (number & 0xFFFFFFFF) / 0xFFFFFFFF
+
+
+def hash_of_name(name):
+    """32 bits from a name: a polynomial of its bytes, mixed by Jenkins' lookup3 (2006)."""
+    polynomial = 0
+    for byte in name.encode():
+        polynomial = (polynomial * 37 + byte) & 0xFFFFFFFF
+    a = b = c = 0xDEADBEEF + 8 + 13
+    a = (a + polynomial) & 0xFFFFFFFF
+    c = _mixed(c, b, 14)
+    a = _mixed(a, c, 11)
+    b = _mixed(b, a, 25)
+    c = _mixed(c, b, 16)
+    a = _mixed(a, c, 4)
+    b = _mixed(b, a, 14)
+    return _mixed(c, b, 24)
+
+
+def _mixed(x, y, bits):
+    """(x ^ y) - (y rotated left)"""
+    return ((x ^ y) - (y << bits | y >> (32 - bits))) & 0xFFFFFFFF
 
 
 def _warn_of_hair(context, b_object):

@@ -9,6 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .attributes import mesh_attributes
+
 DEFAULT_RADIUS = 0.01  # of a point without a radius, in metres, as in Cycles
 
 
@@ -20,6 +22,8 @@ class MeshArrays(NamedTuple):
     normals: np.ndarray | None  # float32 (n, 3, 3)
     uvs: np.ndarray | None  # float32 (n, 3, 2)
     slots: np.ndarray | None  # int32 (n,)
+    attributes: dict  # name: float32 (n, 3, up to 4)
+    texture_space: tuple  # scale (3,), offset (3,), from positions to generated coordinates
 
 
 def read(collection, name, count, dtype, size=1):
@@ -34,8 +38,8 @@ def mesh_positions(b_mesh):
     return read(b_mesh.attributes["position"].data, "vector", len(b_mesh.vertices), np.float32, 3)
 
 
-def mesh_arrays(b_mesh):
-    """Triangles of an evaluated mesh as MeshArrays; None if it has none.
+def mesh_arrays(b_mesh, attribute_names=()):
+    """Triangles of an evaluated mesh as MeshArrays, with the attributes of those names; None if it has none.
 
     Normals are left out where all faces are flat, material slots where all faces use the first.
     """
@@ -48,8 +52,21 @@ def mesh_arrays(b_mesh):
     corners = _corners(b_mesh, count)
     triangles = vertices[corners]
     return MeshArrays(
-        positions, triangles, _normals(b_mesh, corners, triangles), _uvs(b_mesh, corners), _slots(b_mesh, count)
+        positions,
+        triangles,
+        _normals(b_mesh, corners, triangles),
+        _uvs(b_mesh, corners),
+        _slots(b_mesh, count),
+        mesh_attributes(b_mesh, corners, attribute_names),
+        texture_space(b_mesh),
     )
+
+
+def texture_space(b_mesh):
+    """(scale, offset) from positions to generated coordinates: Blender's texture space goes from 0 to 1."""
+    size = np.array(b_mesh.texspace_size, np.float64)
+    scale = np.where(size != 0.0, 0.5 / np.where(size != 0.0, size, 1.0), 1.0)
+    return scale, 0.5 - np.array(b_mesh.texspace_location, np.float64) * scale
 
 
 def without_broken_triangles(arrays):
@@ -59,8 +76,9 @@ def without_broken_triangles(arrays):
         return arrays, 0
     kept = finite[arrays.triangles].all(axis=1)
     positions = np.where(finite[:, None], arrays.positions, np.float32(0.0))
-    rest = (None if a is None else a[kept] for a in arrays[1:])
-    return MeshArrays(positions, *rest), len(kept) - int(kept.sum())
+    rest = (None if a is None else a[kept] for a in arrays[1:5])
+    attributes = {name: values[kept] for name, values in arrays.attributes.items()}
+    return MeshArrays(positions, *rest, attributes, arrays.texture_space), len(kept) - int(kept.sum())
 
 
 def _corners(b_mesh, count):

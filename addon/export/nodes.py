@@ -1,15 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What Blender's shading nodes mean, in closures of engine_core/scene/materials.py.
 
-A closure takes the values of its sockets. What a socket is linked to becomes one value, the same all over the surface:
-the true one if the nodes behind it are constant, else the stand-in of `stand_in.py`, and a warning that says so.
+A closure takes the values of its sockets: numbers, or graphs of what varies over the surface (`values.py`).
 """
 
 import bpy
 import numpy as np
 
+from ..core import ProgramTables, graph
 from ..core import materials as m
 from .graph import Graph, by_identifier, has_nodes, label, source
+from .values import Values
 
 DEEPEST, MOST_CLOSURES = 100, 1000  # a tree may use a shader many times over, and so grow exponentially
 
@@ -23,8 +24,8 @@ def material_surface(context, b_material):
     """The closure of a material's surface."""
     if not has_nodes(b_material):
         return m.Diffuse(b_material.diffuse_color[:3])
-    graph = Graph(b_material)
-    output = graph.output
+    tree = Graph(b_material)
+    output = tree.output
     if output is None:
         return m.Black()
     translation = Translation(context, b_material.name)
@@ -39,35 +40,28 @@ def material_surface(context, b_material):
 
 
 def world_radiance(context, b_world):
-    """Radiance of the world, (3,): the same from everywhere."""
+    """Radiance of the world: three numbers, or a value by direction."""
     return _emitted(context, b_world, lambda: b_world.color[:], nothing=(0.0, 0.0, 0.0))
 
 
 def light_emission(context, b_light):
     """The factor by which a lamp's own nodes multiply its strength, (3,)."""
-    return _emitted(context, b_light, lambda: (1.0, 1.0, 1.0), nothing=(0.0, 0.0, 0.0))
+    emitted = _emitted(context, b_light, lambda: (1.0, 1.0, 1.0), nothing=(0.0, 0.0, 0.0))
+    value = ProgramTables().constant(emitted)
+    if not graph.is_constant(value):
+        context.warn(b_light.name, "its nodes vary over the light, which is not rendered yet; it shines evenly")
+        return np.ones(3)
+    return np.array(value)
 
 
 def _emitted(context, b_owner, without_nodes, nothing):
     if not has_nodes(b_owner):
-        return np.array(without_nodes())
-    graph = Graph(b_owner)
-    output = graph.output
+        return tuple(without_nodes())
+    tree = Graph(b_owner)
+    output = tree.output
     if output is None:
-        return np.array(nothing)
-    return emission(Translation(context, b_owner.name).closure(output.inputs["Surface"], ()))
-
-
-def emission(closure):
-    """What a closure emits, (3,)."""
-    if isinstance(closure, m.Emission):
-        return np.array(closure.color) * closure.strength
-    if isinstance(closure, m.Add):
-        return emission(closure.a) + emission(closure.b)
-    if isinstance(closure, m.Mix):
-        factor = min(max(closure.factor, 0.0), 1.0)
-        return emission(closure.a) * (1.0 - factor) + emission(closure.b) * factor
-    return np.zeros(3)
+        return nothing
+    return m.flatten(Translation(context, b_owner.name).closure(output.inputs["Surface"], ())).emission
 
 
 class Translation:
@@ -75,6 +69,7 @@ class Translation:
 
     def __init__(self, context, owner):
         self.context, self.owner = context, owner
+        self.values = Values(context, self.warn)
         self.depth = self.count = 0
 
     def warn(self, node, text):
@@ -90,7 +85,7 @@ class Translation:
             self.warn(node, f"more than {MOST_CLOSURES} shaders, or {DEEPEST} in a row; the rest is black")
             return m.Black()
         if output.type != "SHADER":  # Blender takes a bare colour for light
-            return m.Emission(self._value(node, socket, groups, "RGBA"), 1.0)
+            return m.Emission(self.values.socket(socket, groups, "RGBA"), 1.0)
         translate = getattr(self, f"_{node.type.lower()}", None)
         if translate:
             self.depth += 1
@@ -100,24 +95,14 @@ class Translation:
         self.warn(node, f"{node.bl_label} is not rendered yet; black instead")
         return m.Black()
 
-    def _value(self, node, socket, groups, kind):
-        value, culprit = self.context.stand_ins.evaluate(socket, groups, kind)
-        if culprit:
-            self.warn(
-                node,
-                f"{socket.name} is linked to {label(culprit)} ({culprit.bl_label}), which is not rendered yet; "
-                f"using {_text(value)}",
-            )
-        return value
-
     # ---- Combining ----
 
     def _mix_shader(self, i):
         a, b = i.sockets("Shader", "Shader_001")
         factor = i.number("Fac")
-        if factor <= 0.0:
+        if graph.is_constant(factor) and factor <= 0.0:
             return self.closure(a, i.groups)
-        if factor >= 1.0:
+        if graph.is_constant(factor) and factor >= 1.0:
             return self.closure(b, i.groups)
         return m.Mix(factor, self.closure(a, i.groups), self.closure(b, i.groups))
 
@@ -135,19 +120,17 @@ class Translation:
     # ---- Scattering ----
 
     def _bsdf_diffuse(self, i):
-        i.left_out("Normal")
         i.taken_as({"Roughness": 0.0})
-        return m.Diffuse(i.color("Color"))
+        return m.Diffuse(i.color("Color"), i.normal())
 
     def _bsdf_translucent(self, i):
-        i.left_out("Normal")
-        return m.Translucent(i.color("Color"))
+        return m.Translucent(i.color("Color"), i.normal())
 
     def _bsdf_transparent(self, i):
         return m.Transparent(i.color("Color"))
 
     def _bsdf_glossy(self, i):
-        return m.Glossy(i.color("Color"), i.number("Roughness"), i.anisotropy(), i.is_multiscatter())
+        return m.Glossy(i.color("Color"), i.number("Roughness"), i.anisotropy(), i.is_multiscatter(), i.normal())
 
     def _bsdf_metallic(self, i):
         i.taken_as({"Thin Film Thickness": 0.0})
@@ -155,42 +138,42 @@ class Translation:
             "roughness": i.number("Roughness"),
             "anisotropy": i.anisotropy(),
             "multiscatter": i.is_multiscatter(),
+            "normal": i.normal(),
         }
         if i.node.fresnel_type == "PHYSICAL_CONDUCTOR":
             return m.Metallic(ior=i.color("IOR"), extinction=i.color("Extinction"), **common)
         return m.Metallic(i.color("Base Color"), i.color("Edge Tint"), **common)
 
     def _bsdf_glass(self, i):
-        i.left_out("Normal")
         i.taken_as({"Thin Film Thickness": 0.0})
-        return m.Glass(i.color("Color"), i.number("Roughness"), i.number("IOR"), i.is_multiscatter())
+        return m.Glass(i.color("Color"), i.number("Roughness"), i.number("IOR"), i.is_multiscatter(), i.normal())
 
     def _bsdf_refraction(self, i):
-        i.left_out("Normal")
         i.is_multiscatter()
-        return m.Refraction(i.color("Color"), i.number("Roughness"), i.number("IOR"))
+        return m.Refraction(i.color("Color"), i.number("Roughness"), i.number("IOR"), i.normal())
 
     def _bsdf_principled(self, i):
-        i.left_out("Normal", "Coat Normal")
+        i.left_out("Coat Normal")
         i.taken_as({"Subsurface Weight": 0.0, "Sheen Weight": 0.0, "Diffuse Roughness": 0.0})
         i.taken_as({"Thin Film Thickness": 0.0, "Thin Wall": False})
         return m.Principled(
             base_color=i.color("Base Color"),
-            metallic=i.factor("Metallic"),
+            metallic=i.number("Metallic"),
             roughness=i.number("Roughness"),
             ior=i.number("IOR"),
-            alpha=i.factor("Alpha"),
+            alpha=i.number("Alpha"),
             specular_ior_level=i.number("Specular IOR Level"),
             specular_tint=i.color("Specular Tint"),
             anisotropic=i.anisotropy("Anisotropic", "Anisotropic Rotation"),
-            transmission=i.factor("Transmission Weight"),
-            coat_weight=i.factor("Coat Weight"),
+            transmission=i.number("Transmission Weight"),
+            coat_weight=i.number("Coat Weight"),
             coat_roughness=i.number("Coat Roughness"),
             coat_ior=i.number("Coat IOR"),
             coat_tint=i.color("Coat Tint"),
             emission_color=i.color("Emission Color"),
             emission_strength=i.number("Emission Strength"),
             multiscatter=i.is_multiscatter(),
+            normal=i.normal(),
         )
 
     # ---- Not there yet: the nearest of the above ----
@@ -219,7 +202,7 @@ class Translation:
         specular = m.Principled(
             base_color=i.color("Base Color"),
             roughness=i.number("Roughness"),
-            alpha=1.0 - i.factor("Transparency"),
+            alpha=graph.complement(i.number("Transparency")),
             emission_color=i.color("Emissive Color"),
             emission_strength=1.0,
         )
@@ -237,19 +220,19 @@ class Inputs:
 
     def color(self, name):
         """Three numbers; also for vector sockets."""
-        return self.translation._value(self.node, by_identifier(self.node.inputs, name), self.groups, "RGBA")
+        return self.translation.values.color(self.node, self.groups, name)
 
     def number(self, name):
-        return self.translation._value(self.node, by_identifier(self.node.inputs, name), self.groups, "VALUE")
+        return self.translation.values.number(self.node, self.groups, name)
 
-    def factor(self, name):
-        return min(max(self.number(name), 0.0), 1.0)
+    def normal(self):
+        """The normal that is linked, or None."""
+        return self.translation.values.normal_or_none(self.node, self.groups)
 
     def anisotropy(self, name="Anisotropy", rotation="Rotation"):
         """Strength of the anisotropy; reads all inputs that belong to it."""
-        self.left_out("Normal")
         value = self.number(name)
-        if value != 0.0:
+        if not (graph.is_constant(value) and value == 0.0):
             self.left_out("Tangent")
             self.taken_as({rotation: 0.0})
         return value
@@ -275,8 +258,8 @@ class Inputs:
             socket = by_identifier(self.node.inputs, name)
             if socket is None:
                 continue
-            found, culprit = self.translation.context.stand_ins.evaluate(socket, self.groups, "VALUE")
-            if culprit or found != value:
+            found = self.translation.values.socket(socket, self.groups, "VALUE")
+            if not graph.is_constant(found) or found != value:
                 self.translation.warn(self.node, f"{socket.name} is not rendered yet; taken as {_text(value)}")
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The world: one radiance from all directions."""
+"""The world: its radiance, constant or by nodes."""
 
 from ..core import Visibility
 from . import nodes

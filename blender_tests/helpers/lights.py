@@ -9,6 +9,7 @@ from engine_core.light.bounds import is_far
 from engine_core.light.select import pmf, prepare_selection, select
 from engine_core.linalg.records import Tables
 from engine_core.linalg.vec3 import Vec3, average, dot
+from engine_core.program_tables import CELL
 from engine_core.shape.dispatch import intersect
 from engine_core.tables import LIGHT, LIGHT_NODE, SHAPE, WORLD, LightKind, ShapeKind
 
@@ -27,6 +28,7 @@ class OneLight(Tables):
     lights = LIGHT
     shapes = SHAPE
     world = WORLD
+    world_map = CELL
 
 
 def light(kind, **fields):
@@ -56,7 +58,7 @@ def scene_of(row):
         shape[name] = row[name]
     world = np.zeros(1, WORLD)
     world["light_count"] = 1
-    return OneLight(lights=row, shapes=shape, world=world)
+    return OneLight(lights=row, shapes=shape, world=world, world_map=np.zeros(0, CELL))
 
 
 SAMPLES = np.dtype(

@@ -15,11 +15,11 @@ FUNCTIONS_OF_A_LOBE = {
     "sample": ["lobe", "wo", "u_choice", "u0", "u1"],
     "albedo": ["lobe", "wo"],
 }
-# Of light, p, wi, t each takes what it needs, in this order.
+# Of scene, light, p, wi, t each takes what it needs, in this order.
 FUNCTIONS_OF_A_LIGHT = {
-    "sample": ["light", "p", "u0", "u1"],
+    "sample": ["scene", "light", "p", "u0", "u1"],
     "emitted": ["light", "p", "wi", "t"],
-    "pdf": ["light", "p", "wi", "t"],
+    "pdf": ["scene", "light", "p", "wi", "t"],
 }
 
 

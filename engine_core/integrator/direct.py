@@ -11,8 +11,10 @@ from ..jit import kernel
 from ..light import dispatch as light_dispatch
 from ..light.select import pmf, select
 from ..linalg.ray import offset_ray_origin
-from ..linalg.vec3 import BLACK, WHITE, Vec3, dot, is_black, load3
+from ..linalg.vec3 import BLACK, WHITE, Vec3, dot, is_black, load3, normalize
 from ..sampling.mis import power_heuristic
+from ..shader.evaluate import light_radiance, run_program
+from ..shader.point import new_point, set_surface, set_world
 from ..shape.interaction import make_interaction
 from ..tables import MaterialFlag, Visibility
 
@@ -37,13 +39,16 @@ def sample_direct(scene, settings, it, bsdf, wo, visibility, both_sides, u_selec
         return BLACK
     light = scene.lights[row]
     s = light_dispatch.sample(scene, light, it.p, u0, u1)
-    if s.pdf <= 0.0 or is_black(s.radiance):
+    if s.pdf <= 0.0 or (is_black(s.radiance) and light.program == 0):
         return BLACK
     f, pdf_bsdf = bsdf_dispatch.evaluate_and_pdf(bsdf, wo, s.wi)
     if is_black(f):
         return BLACK
+    Le = s.radiance
+    if light.program > 0:
+        Le = light_radiance(scene, light, new_point(), it.p + s.wi * s.distance, s.wi, s.distance, visibility)
     pdf_light = s.pdf * pmf_light
-    Ld = f * s.radiance * (1.0 / pdf_light)
+    Ld = f * Le * (1.0 / pdf_light)
     if not s.is_delta:
         Ld = Ld * power_heuristic(pdf_light, pdf_bsdf)
     o = offset_ray_origin(it.p, it.ng if dot(s.wi, it.ng) > 0.0 else -it.ng)
@@ -73,19 +78,25 @@ def shadow_transmittance(scene, settings, o, d, t_max):
         material = scene.materials[it.material]
         if not material.flags & MaterialFlag.TRANSPARENT.value:
             return BLACK
-        transmittance = transmittance * load3(material, "transparency")
+        if material.transparency_program > 0:
+            point = new_point()
+            set_surface(point, it, hit, -normalize(d), Visibility.SHADOW.value, np.float32(0.0))
+            transmittance = transmittance * run_program(scene, material.transparency_program, point)
+            if is_black(transmittance):
+                return BLACK
+        else:
+            transmittance = transmittance * load3(material, "transparency")
         o = offset_ray_origin(it.p, -it.ng)
         t_max -= hit.t
     return BLACK
 
 
 @kernel
-def surface_emission(scene, it, d, origin, distance):
-    """Radiance that the surface at `it` emits against `d`, weighted against having sampled it from the origin."""
+def surface_emission(scene, it, Le, d, origin, distance):
+    """Radiance `Le` that the surface at `it` emits against `d`, weighted against having sampled it from the origin."""
     material = scene.materials[it.material]
     if it.backfacing and material.flags & MaterialFlag.ONE_SIDED.value:
         return BLACK
-    Le = load3(material, "emission")
     return Le * mis_weight(scene, it.light, d, origin, distance) if it.light >= 0 else Le
 
 
@@ -108,12 +119,16 @@ def lamp_radiance(scene, o, d, t_max, origin, distance, visibility):
 
 
 @kernel
-def background_radiance(scene, d, origin, visibility):
-    """Radiance from beyond everything along `d`: the world, and the suns that stand there."""
+def background_radiance(scene, d, origin, visibility, point):
+    """Radiance from beyond everything along `d`: the world, and the suns that stand there. `point` is scratch."""
     world = scene.world[0]
     L = BLACK
     if world.background_visibility & visibility:
-        L = load3(world, "background")
+        if world.background_program > 0:
+            set_world(point, d, visibility)
+            L = run_program(scene, world.background_program, point)
+        else:
+            L = load3(world, "background")
         if world.background_light >= 0:
             L = L * mis_weight(scene, world.background_light, d, origin, FAR)
     for row in range(world.suns, world.suns + world.sun_count):

@@ -17,16 +17,19 @@ from ..jit import kernel
 from ..linalg.ray import offset_ray_origin
 from ..linalg.records import scratch_record
 from ..linalg.vec3 import BLACK, WHITE, Vec3, average, dot, is_black, load3, max_component, store3
+from ..program_tables import POINT
 from ..sampling.sobol import sample_1d
-from ..shader.evaluate import fill_bsdf
+from ..shader.evaluate import emission, fill_bsdf, has_program
+from ..shader.point import set_surface
 from ..shape.interaction import make_interaction
-from ..tables import BSDF, LobeKind, MaterialFlag, Visibility
+from ..tables import BSDF, CameraKind, LobeKind, MaterialFlag, Visibility
 from .direct import Origin, background_radiance, lamp_radiance, surface_emission
 
 # Dimensions of a sample, in pairs: 0 the pixel filter, 1 the lens, then four for each vertex of the path: two choices
 # (which light, which lobe), a point on a light or two more choices, a direction, Russian roulette.
 FIRST_DIMENSION, DIMENSIONS_PER_VERTEX = 2, 4
 FAR, ZERO = np.float32(np.inf), np.float32(0.0)
+BUMP_WIDTH = np.float32(0.1)  # pixels, over which slopes of bumps are taken, as Cycles' filter width
 CAMERA = Visibility.CAMERA.value
 
 WALK = np.dtype(
@@ -56,6 +59,7 @@ WALK = np.dtype(
         ("first_normal", "f4", (3,)),
         ("first_albedo", "f4", (3,)),
         ("first_hit", "i4"),
+        ("point", POINT),  # the vertex, for shader programs: set if its material has any
     ]
 )
 new_walk, new_bsdf = scratch_record(WALK), scratch_record(BSDF)
@@ -111,7 +115,7 @@ def advance(scene, settings, walk):
         if visibility == CAMERA and settings.transparent_background != 0:
             walk.alpha = 1.0 - average(load3(walk, "beta"))
         else:
-            L = background_radiance(scene, d, origin, visibility)
+            L = background_radiance(scene, d, origin, visibility, walk.point)
             gather(walk, L, limit_of_found(settings, walk))
     return hit
 
@@ -121,10 +125,28 @@ def arrive(scene, settings, walk, hit):
     """The Interaction with what was hit; gather what shines there."""
     d = load3(walk, "d")
     it = make_interaction(scene, hit, load3(walk, "o"), d)
-    if scene.materials[it.material].flags & MaterialFlag.EMISSIVE.value:
-        L = surface_emission(scene, it, d, origin_of(walk), walk.distance + hit.t)
+    material = scene.materials[it.material]
+    if has_program(material):
+        set_point(scene, settings, walk, it, hit)
+    if material.flags & MaterialFlag.EMISSIVE.value:
+        Le = emission(scene, material, walk.point)
+        L = surface_emission(scene, it, Le, d, origin_of(walk), walk.distance + hit.t)
         gather(walk, L, limit_of_found(settings, walk))
     return it
+
+
+@kernel
+def set_point(scene, settings, walk, it, hit):
+    """Tell shader programs where they are."""
+    point, camera = walk.point, scene.camera[0]
+    pixel = (camera.screen[1] - camera.screen[0]) / np.float32(settings.width)
+    size = pixel * (walk.distance + hit.t) if camera.kind == CameraKind.PERSPECTIVE else pixel
+    set_surface(point, it, hit, -load3(walk, "d"), walk.visibility, BUMP_WIDTH * size)
+    point.ray_length = walk.distance + hit.t
+    point.bounces = walk.bounces
+    point.diffuse_bounces, point.glossy_bounces = walk.diffuse_bounces, walk.glossy_bounces
+    point.transmission_bounces = walk.transmission_bounces
+    point.transparent_bounces = walk.transparent_bounces
 
 
 @kernel
@@ -163,6 +185,7 @@ def make_bsdf(scene, settings, walk, it, bsdf):
     fill_bsdf(
         scene,
         it,
+        walk.point,
         bsdf,
         not spreads or settings.reflective_caustics != 0,
         not spreads or settings.refractive_caustics != 0,

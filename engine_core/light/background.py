@@ -1,15 +1,38 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The world, where it shines equally from everywhere: directions uniform on the sphere."""
+"""The world: all directions alike where it is constant, else in proportion to a map of its radiance.
+
+The map is a lat-long picture of map_height rows, from below to above, and map_width columns (`texture.image` says where
+directions are on it). `scene.world_map` holds sums, each from 0 to 1: over the rows by their light, map_height + 1
+numbers, and for each row over its columns, map_width + 1 numbers. (pbrt's piecewise-constant Distribution2D.)
+"""
+
+import math
+
+import numpy as np
 
 from ..jit import kernel
-from ..linalg.vec3 import load3
+from ..linalg.vec3 import Vec3, load3
 from ..sampling.warp import INV_FOUR_PI, square_to_sphere
-from .light_sample import INFINITY, LightSample
+from ..texture.image import equirectangular
+from .light_sample import INFINITY, LightSample, no_light
+
+PI, TWO_PI = np.float32(math.pi), np.float32(2.0 * math.pi)
+AROUND = np.float32(2.0 * math.pi * math.pi)  # solid angle of the square on the map, over the cosine of the latitude
 
 
 @kernel
-def sample(light, u0, u1):
-    return LightSample(square_to_sphere(u0, u1), INFINITY, load3(light, "emission"), INV_FOUR_PI, False)
+def sample(scene, light, u0, u1):
+    world = scene.world[0]
+    if world.map_width == 0:
+        return LightSample(square_to_sphere(u0, u1), INFINITY, load3(light, "emission"), INV_FOUR_PI, False)
+    row, v, density_v = choose(scene, 0, world.map_height, u1)
+    _, u, density_u = choose(scene, first_of_row(world, row), world.map_width, u0)
+    latitude, longitude = (v - 0.5) * PI, (0.5 - u) * TWO_PI
+    cosine = math.cos(latitude)
+    if cosine <= 0.0 or density_v == 0.0 or density_u == 0.0:
+        return no_light()
+    wi = Vec3(cosine * math.cos(longitude), cosine * math.sin(longitude), math.sin(latitude))
+    return LightSample(wi, INFINITY, load3(light, "emission"), density_u * density_v / (AROUND * cosine), False)
 
 
 @kernel
@@ -18,5 +41,62 @@ def emitted(light):
 
 
 @kernel
-def pdf():
-    return INV_FOUR_PI
+def pdf(scene, wi):
+    world = scene.world[0]
+    if world.map_width == 0:
+        return INV_FOUR_PI
+    u, v = equirectangular(wi)
+    row = max(min(np.int32(v * np.float32(world.map_height)), world.map_height - 1), 0)
+    column = max(min(np.int32(u * np.float32(world.map_width)), world.map_width - 1), 0)
+    cosine = math.sqrt(max(1.0 - wi.z * wi.z, 1e-12))
+    density = density_of(scene, 0, world.map_height, row)
+    return density * density_of(scene, first_of_row(world, row), world.map_width, column) / (AROUND * cosine)
+
+
+@kernel
+def first_of_row(world, row):
+    """Where the sums of a row of the map begin."""
+    return world.map_height + 1 + row * (world.map_width + 1)
+
+
+@kernel
+def density_of(scene, first, count, cell):
+    """Density on the unit interval of a cell of the `count` whose sums begin at `first`."""
+    return (scene.world_map[first + cell + 1].cdf - scene.world_map[first + cell].cdf) * np.float32(count)
+
+
+@kernel
+def choose(scene, first, count, u):
+    """(cell, place between 0 and 1, density there) by inverting the sums, by bisection."""
+    low, high = 0, count
+    while high - low > 1:
+        middle = (low + high) >> 1
+        if scene.world_map[first + middle].cdf <= u:
+            low = middle
+        else:
+            high = middle
+    begin = scene.world_map[first + low].cdf
+    span = scene.world_map[first + low + 1].cdf - begin
+    within = min((u - begin) / span, 1.0) if span > 0.0 else np.float32(0.5)
+    return low, (np.float32(low) + within) / np.float32(count), span * np.float32(count)
+
+
+# ---- Preparation -----------------------------------------------------------------------------------------------------
+
+
+def make_map(radiance):
+    """Sums for `sample` from a map of radiance, (height, width, 3): float32, (height + 1 + height * (width + 1),).
+
+    What is everywhere scattering finds as well: only what is brighter than the mean is sampled, if there is any
+    (MIS compensation, Karlik et al. 2019).
+    """
+    height, width, _ = radiance.shape
+    light = np.maximum(radiance.astype(np.float64).mean(axis=-1), 0.0)
+    cosine = np.cos(((np.arange(height) + 0.5) / height - 0.5) * math.pi)[:, None]
+    brighter = np.maximum(light - (light * cosine).sum() / (cosine.sum() * width), 0.0)
+    light = (brighter if brighter.any() else light) * cosine
+    sums = np.zeros((height, width + 1))
+    np.cumsum(light, axis=1, out=sums[:, 1:])
+    totals = np.concatenate([[0.0], np.cumsum(sums[:, -1])])
+    sums /= np.maximum(sums[:, -1:], 1e-300)
+    return np.concatenate([totals / totals[-1], sums.ravel()]).astype(np.float32)

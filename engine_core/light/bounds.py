@@ -27,16 +27,19 @@ SOMEWHERE = np.array([0.36, 0.48, 0.8])  # a direction that normals are seldom p
 
 
 def is_far(lights):
-    """Which rows of LIGHT shine the same however far away they are: suns, and area lights that are beams."""
+    """Which rows of LIGHT shine the same however far away they are: suns, area lights that are beams, and a world that
+    is sampled by a map."""
     kind = lights["kind"]
     is_beam = ((kind == LightKind.QUAD) | (kind == LightKind.DISK)) & (lights["is_delta"] != 0)
-    return (kind == LightKind.SUN) | is_beam
+    is_sky = (kind == LightKind.BACKGROUND) & (lights["program"] > 0)
+    return (kind == LightKind.SUN) | is_beam | is_sky
 
 
 def irradiance(lights):
     """Of lights that are far: what arrives on a surface across their direction, the mean of the colours, W/m2: (n,)."""
     height = np.where(lights["kind"] == LightKind.SUN, lights["height"], 0.0).astype(np.float64)
     projected = np.where(lights["is_delta"] != 0, 1.0, np.pi * height * (2.0 - height))  # pi sin^2
+    projected = np.where(lights["kind"] == LightKind.BACKGROUND, np.pi, projected)
     return _emission(lights) * projected
 
 

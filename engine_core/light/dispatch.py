@@ -31,7 +31,7 @@ def sample(scene, light, p, u0, u1):
         return sphere.sample(light, p, u0, u1)
     if kind == LightKind.BOX:
         return box.sample(light, p, u0, u1)
-    return background.sample(light, u0, u1)
+    return background.sample(scene, light, u0, u1)
 
 
 @kernel
@@ -80,7 +80,7 @@ def pdf(scene, light, p, wi, t):
         return sphere.pdf(light, p)
     if kind == LightKind.BOX:
         return box.pdf(light, p, wi, t)
-    return background.pdf()
+    return background.pdf(scene, wi)
 
 
 @kernel

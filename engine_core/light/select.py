@@ -97,6 +97,8 @@ def share(mine, total, seen):
 @kernel
 def far_importance(light, p, n, both_sides):
     """Irradiance that a light outside of the tree may bring to `p`: 0 if it cannot."""
+    if light.kind == LightKind.BACKGROUND:
+        return light.irradiance
     cosine = -dot(n, load3(light, "n"))
     if both_sides:
         cosine = abs(cosine)

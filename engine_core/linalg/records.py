@@ -93,7 +93,10 @@ _types = {}
 
 @typeof_impl.register(Tables)
 def _typeof_tables(value, context):
-    cls = type(value)
+    return _typeof_tables_class(type(value))
+
+
+def _typeof_tables_class(cls):
     if cls not in _types:
         _types[cls] = TablesType(cls.__name__, tuple((n, from_dtype(d)) for n, d in cls.dtypes().items()))
     return _types[cls]
@@ -140,6 +143,13 @@ def _get_row(context, builder, sig, args):
     index = context.cast(builder, args[1], index_type, types.int64)
     offset = builder.mul(index, ir.Constant(ir.IntType(64), table_type.record.size))
     return builder.bitcast(builder.gep(args[0], [offset]), context.get_value_type(table_type.record))
+
+
+def numba_type(dtype_or_tables):
+    """numba's type of a row of a dtype, or of a subclass of Tables: for the signature of an entry point."""
+    if isinstance(dtype_or_tables, np.dtype):
+        return from_dtype(dtype_or_tables)
+    return _typeof_tables_class(dtype_or_tables)
 
 
 def scratch_record(dtype):

@@ -9,31 +9,30 @@ import numpy as np
 
 from ..accel import build as accel
 from ..accel.instances import instance_boxes
-from ..jit import builder_kernel
 from ..light.bounds import is_far
 from ..light.select import prepare_selection
+from ..program_tables import CELL, OBJECT
 from ..shape.dispatch import bounds
 from ..tables import (
     CAMERA,
     INSTANCE,
     LIGHT,
-    LOBE,
-    MATERIAL,
+    LIGHT_NODE,
     NODE,
     PACKET,
     SHAPE,
     SLOT,
-    TRANSMITTING,
     TRIANGLE,
     WORLD,
     LightKind,
-    LobeKind,
     MaterialFlag,
     Scene,
     TreeKind,
     Visibility,
 )
 from . import checks, shapes
+from .shading import Shading, bake_lights, bake_world
+from .triangles import fill_triangles, triangle_lights
 
 NOTHING = np.zeros((0, 0, 0), np.float32)
 
@@ -49,56 +48,58 @@ class _Assembly:
         self.placements = self._regular_placements()
         self.slots = []
         self.instances = np.zeros(len(self.placements), INSTANCE)
+        self.objects = np.zeros(len(self.placements), OBJECT)
+        self.first_prims = {}  # number of a geometry: row of TRIANGLE or SHAPE of its first one
         self.nodes, self.packets, self.triangles, self.shapes = [], [], [], []
         self.counts = dict.fromkeys(("nodes", "packets", "triangles", "shapes"), 0)
         self.lights = list(builder.lights)
+        self.shading = Shading(builder._warn)
 
     def scene(self):
         self.progress(0.0, "Materials")
-        materials, lobes = self._materials()
-        world = np.zeros(1, WORLD)
+        shading, world = self.shading, np.zeros(1, WORLD)
+        materials, lobes = shading.materials(self.builder.materials)
+        shading.world(world, self.builder.world_radiance)
+        attributes, self.attribute_rows = shading.attributes(self.builder.geometries)
+        world["attribute_count"] = len(attributes["attributes"])
         for field in ("triangle_root", "shape_root", "instance_root", "lamp_root", "background_light"):
             world[field] = -1
         self._place(materials, world)
         self.progress(0.9, "Lights")
         self._lamps(world)
         self._bounds(world)
-        lights, light_nodes = self._lights(materials, world)
+        lights = self._lights(materials, world)
         world["transparent_shadows"] = int((materials["flags"] & MaterialFlag.TRANSPARENT).any())
-        return Scene(
+        scene = Scene(
             nodes=_concatenate(self.nodes, NODE),
             packets=_concatenate(self.packets, PACKET),
             triangles=_concatenate(self.triangles, TRIANGLE),
             shapes=_concatenate(self.shapes, SHAPE),
             instances=_concatenate([self.instances], INSTANCE),
+            objects=self.objects,
             slots=np.array([(m,) for m in self.slots], SLOT),
             materials=materials,
             lobes=lobes,
             lights=lights,
-            light_nodes=light_nodes,
+            light_nodes=np.zeros(0, LIGHT_NODE),
+            world_map=np.zeros(0, CELL),
             camera=self.builder.camera_row,
             world=world,
+            **attributes,
+            **shading.programs.tables(),
         )
+        return self._with_baked_light(scene)
 
-    # ---- Materials ----
-
-    def _materials(self):
-        rows, lobes = np.zeros(len(self.builder.materials), MATERIAL), []
-        first = 0
-        for row, material in zip(rows, self.builder.materials, strict=True):
-            row["lobes"], row["lobe_count"] = first, len(material.lobes)
-            row["emission"], row["pass_index"] = material.emission, material.pass_index
-            see_through = material.lobes["kind"] == LobeKind.TRANSPARENT
-            row["transparency"] = np.minimum(material.lobes["weight"][see_through].sum(axis=0), 1.0)
-            transmits = np.isin(material.lobes["kind"], TRANSMITTING)
-            row["flags"] = (
-                material.flags
-                | (MaterialFlag.TRANSPARENT if see_through.any() else 0)
-                | (MaterialFlag.TRANSMITS if transmits.any() else 0)
-            )
-            lobes.append(material.lobes)
-            first += len(material.lobes)
-        return rows, _concatenate(lobes, LOBE)
+    def _with_baked_light(self, scene):
+        """The scene with the means of what programs emit, and what lights are selected by."""
+        tables, world = scene.tables(), scene.world
+        bake_lights(scene)
+        if world["background_program"][0] > 0:
+            self.progress(0.95, "World")
+            tables["world_map"] = bake_world(scene, max(scene.images["width"], default=0))
+            scene.lights["emission"][world["background_light"][0]] = world["background"][0]
+        tables["light_nodes"] = prepare_selection(scene.lights, world)
+        return Scene(**{name: np.asarray(table) for name, table in tables.items()})
 
     # ---- Geometry ----
 
@@ -137,6 +138,7 @@ class _Assembly:
         for kind, field in ((TreeKind.TRIANGLES, "triangle_root"), (TreeKind.SHAPES, "shape_root")):
             if alone[kind]:
                 world[field] = self._tree(kind, [(self.placements[n].geometry, n) for n in alone[kind]])
+        self.objects["first_prim"] = [self.first_prims[p.geometry] for p in self.placements]
         self._instance_tree(np.array([n for _, numbers in shared for n in numbers], np.int64), world)
 
     def _keeps_shapes(self, geometry, placement):
@@ -152,6 +154,10 @@ class _Assembly:
             placement.pass_index,
             placement.random,
         )
+        told = self.objects[number]
+        told["color"] = placement.color
+        told["texture_scale"], told["texture_offset"] = geometry.texture_space
+        told["attributes"] = self.attribute_rows.get(placement.geometry, -1)
         row["slots"] = self._slots(placement.materials, _slot_count(geometry))
 
     def _slots(self, materials, count):
@@ -171,6 +177,10 @@ class _Assembly:
         Returns its root.
         """
         rows = [self._rows(kind, geometry, number) for geometry, number in parts]
+        first = self.counts["triangles" if kind == TreeKind.TRIANGLES else "shapes"]
+        for (geometry, _), own in zip(parts, rows, strict=True):
+            self.first_prims[geometry] = first
+            first += len(own)
         rows = np.concatenate(rows) if len(rows) > 1 else rows[0]
         if kind == TreeKind.TRIANGLES:
             nodes, packets = accel.build_triangles(np.ascontiguousarray(rows["p"]))
@@ -233,7 +243,7 @@ class _Assembly:
         ordered = numbers[order]
         others = np.setdiff1d(np.arange(len(self.instances)), ordered)
         new_order = np.concatenate([ordered, others])
-        self.instances = self.instances[new_order]
+        self.instances, self.objects = self.instances[new_order], self.objects[new_order]
         self.placements = [self.placements[n] for n in new_order]
         renumbered = np.empty(len(new_order), np.int32)
         renumbered[new_order] = np.arange(len(new_order))
@@ -272,6 +282,10 @@ class _Assembly:
 
     def _lights(self, materials, world):
         """The table of lights: lamps, emissive primitives, the world; and the tree to select from."""
+        background = self._background(world)
+        if background:
+            world["background_light"] = len(self.lights)
+            self.lights += background
         tables = [np.array(self.lights, LIGHT)] if self.lights else []
         count = len(self.lights)
         for number, placement in enumerate(self.placements):
@@ -282,17 +296,21 @@ class _Assembly:
                     self.instances[number]["lights"] = count
                     tables.append(rows)
                     count += len(rows)
-        if self.builder.world_radiance.any():
-            row = np.zeros(1, LIGHT)
-            row["kind"], row["visibility"] = LightKind.BACKGROUND, self.builder.world_visibility
-            row["emission"], row["instance"], row["prim"] = self.builder.world_radiance, -1, -1
-            world["background"], world["background_visibility"] = row["emission"], row["visibility"]
-            world["background_light"] = count
-            tables.append(row)
         lights = _concatenate(tables, LIGHT)
         self._far_first(lights, world)
         world["light_count"] = len(lights)
-        return lights, prepare_selection(lights, world)
+        return lights
+
+    def _background(self, world):
+        """The row of LIGHT of the world, or none: a list."""
+        if not world["background"].any():
+            return []
+        row = np.zeros(1, LIGHT)
+        row["kind"], row["visibility"] = LightKind.BACKGROUND, self.builder.world_visibility
+        row["emission"], row["program"] = world["background"], world["background_program"]
+        row["instance"] = row["prim"] = -1
+        world["background_visibility"] = row["visibility"]
+        return [row[0]]
 
     def _far_first(self, lights, world):
         """Suns are looked for by every ray that leaves the scene, and weighed with beams at every place that is lit:
@@ -306,26 +324,34 @@ class _Assembly:
         for table in self.shapes[-1:] if world["lamp_root"][0] >= 0 else []:
             table["light"] = renumbered[table["light"]]
         world["suns"], world["sun_count"] = 0, is_sun.sum()
+        if world["background_light"] >= 0:
+            world["background_light"] = renumbered[world["background_light"]]
 
     def _emitters(self, number, placement, geometry, materials):
         """Rows of LIGHT for the emissive primitives of an instance; None if they cannot be sampled."""
         matrix = placement.matrix
         if _kind(geometry) == TreeKind.SHAPES:
+            if self._emits_by_program(number, materials):
+                self.builder._warn(placement.name, "emits by a texture; rays find the light of a shape by chance alone")
+                return None
             if not shapes.stay_themselves(geometry.rows[geometry.emitters], matrix).all():
                 text = "emits, and as it is scaled no sphere, box or rectangle; rays find its light by chance alone"
                 self.builder._warn(placement.name, text)
                 return None
             rows = shapes.lights(shapes.moved(geometry.rows[geometry.emitters], matrix))
         else:
-            rows = _triangle_lights(geometry, matrix)
+            rows = triangle_lights(geometry, matrix)
         slots = _primitive_slots(geometry)
         first = self.instances[number]["slots"]
         slots = np.zeros(len(rows), np.int32) if slots is None else slots[geometry.emitters]
         material = materials[np.array(self.slots)[first + slots]]
         rows["visibility"], rows["instance"], rows["prim"] = placement.visibility, number, geometry.emitters
-        rows["emission"] = material["emission"]
+        rows["emission"], rows["program"] = material["emission"], material["emission_program"]
         rows["two_sided"] = (material["flags"] & MaterialFlag.ONE_SIDED) == 0
         return rows
+
+    def _emits_by_program(self, number, materials):
+        return materials["emission_program"][self.slots[self.instances[number]["slots"]]] > 0
 
     def _bounds(self, world):
         """A ball around everything that a ray can hit."""
@@ -349,20 +375,6 @@ def inverse(matrix):
     return np.concatenate([linear, -linear @ matrix[:, 3:]], axis=1)
 
 
-def _triangle_lights(geometry, matrix):
-    rows = np.zeros(len(geometry.emitters), LIGHT)
-    p = geometry.positions[geometry.triangles[geometry.emitters]] @ matrix[:, :3].T + matrix[:, 3]
-    if np.linalg.det(matrix[:, :3]) < 0.0:
-        p = p[:, [0, 2, 1]]
-    u, v = p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]
-    normal = np.cross(u, v)
-    length = np.linalg.norm(normal, axis=1)
-    rows["kind"], rows["p"], rows["u"], rows["v"] = LightKind.TRIANGLE, p[:, 0], u, v
-    rows["area"] = length / 2.0
-    rows["n"] = normal / np.maximum(length, 1e-30)[:, None]
-    return rows
-
-
 def _kind(geometry):
     return TreeKind.SHAPES if isinstance(geometry, shapes.Shapes) else TreeKind.TRIANGLES
 
@@ -383,64 +395,6 @@ def _slot_count(geometry):
 def _concatenate(parts, dtype):
     rows = accel.aligned_rows(sum(len(part) for part in parts), dtype)
     return np.concatenate(parts, out=rows) if parts else rows
-
-
-@builder_kernel
-def fill_triangles(rows, positions, triangles, normals, uvs, slots, matrix, inverted, instance):
-    """Fill rows of TRIANGLE: gather corners, move them by `matrix`, and normals by the transpose of `inverted`.
-
-    A transform that mirrors would turn triangles inside out; their second and third corner change places. Moved normals
-    keep their length, so that interpolating them gives the same direction here and behind an instance's transform.
-    """
-    determinant = (
-        matrix[0, 0] * (matrix[1, 1] * matrix[2, 2] - matrix[1, 2] * matrix[2, 1])
-        - matrix[0, 1] * (matrix[1, 0] * matrix[2, 2] - matrix[1, 2] * matrix[2, 0])
-        + matrix[0, 2] * (matrix[1, 0] * matrix[2, 1] - matrix[1, 1] * matrix[2, 0])
-    )
-    mirrored = determinant < 0.0
-    smooth = normals.shape[0] > 0
-    p, n = np.zeros((3, 3)), np.zeros(3)
-    for i in range(triangles.shape[0]):
-        row = rows[i]
-        for corner in range(3):
-            source = 3 - corner if mirrored and corner > 0 else corner
-            vertex = triangles[i, source]
-            for k in range(3):
-                p[corner, k] = (
-                    matrix[k, 0] * positions[vertex, 0]
-                    + matrix[k, 1] * positions[vertex, 1]
-                    + matrix[k, 2] * positions[vertex, 2]
-                    + matrix[k, 3]
-                )
-                row.p[corner, k] = p[corner, k]
-            if uvs.shape[0] > 0:
-                row.uv[corner, 0], row.uv[corner, 1] = uvs[i, source, 0], uvs[i, source, 1]
-            else:
-                row.uv[corner, 0], row.uv[corner, 1] = 0.0, 0.0
-        ax, ay, az = p[1, 0] - p[0, 0], p[1, 1] - p[0, 1], p[1, 2] - p[0, 2]
-        bx, by, bz = p[2, 0] - p[0, 0], p[2, 1] - p[0, 1], p[2, 2] - p[0, 2]
-        n[0], n[1], n[2] = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
-        length = np.sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2])
-        for k in range(3):
-            n[k] = n[k] / length if length > 0.0 else (1.0 if k == 2 else 0.0)
-        for corner in range(3):
-            source = 3 - corner if mirrored and corner > 0 else corner
-            total = 0.0
-            if smooth:
-                for k in range(3):
-                    moved = (
-                        inverted[0, k] * normals[i, source, 0]
-                        + inverted[1, k] * normals[i, source, 1]
-                        + inverted[2, k] * normals[i, source, 2]
-                    )
-                    row.n[corner, k] = moved
-                    total += moved * moved
-            if total == 0.0:
-                for k in range(3):
-                    row.n[corner, k] = n[k]
-        row.slot = slots[i] if slots.shape[0] > 0 else 0
-        row.instance = instance
-        row.light = -1
 
 
 __all__ = ["CAMERA", "assemble"]

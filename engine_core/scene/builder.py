@@ -18,9 +18,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..tables import CameraKind, LightKind, MaterialFlag, Visibility
+from ..shader.graph import is_constant
+from ..tables import CameraKind, LightKind, Visibility
 from . import assemble, checks, lamps, shapes
-from .materials import WHITE, Diffuse, lower
+from .materials import WHITE, Diffuse, Surface, flatten
 
 IDENTITY = np.eye(4)
 
@@ -35,6 +36,10 @@ class Mesh:
     normals: np.ndarray | None  # float32 (n, 3, 3); None: flat
     uvs: np.ndarray | None  # float32 (n, 3, 2)
     slots: np.ndarray | None  # int32 (n,)
+    attributes: dict  # name: float32 (n, 3, 4)
+    texture_space: (
+        tuple  # scale (3,), offset (3,): generated coordinates are the position times the one, plus the other
+    )
 
 
 @dataclass
@@ -48,14 +53,14 @@ class Placement:
     visibility: int
     pass_index: int
     random: float
+    color: tuple
 
 
 @dataclass
 class Material:
     name: str
-    lobes: np.recarray
-    emission: np.ndarray
-    flags: int
+    surface: Surface
+    one_sided: bool  # emits from the front of its faces only
     pass_index: int
 
 
@@ -75,21 +80,18 @@ class SceneBuilder:
 
     def material(self, name, surface, pass_index=0, one_sided_emission=False):
         """Add a material; `surface` is a closure of `scene.materials`. Returns its number, for `instance`."""
-        lobes, emission, dropped = lower(surface)
-        if dropped:
-            self._warn(name, f"has more than {len(lobes)} ways to scatter; left out the faintest: {', '.join(dropped)}")
-        for field in ("weight", "alpha_x", "ior", "f0", "f82"):
-            checks.array(name, f"lobes' {field}", lobes[field], np.float64, *([None] * lobes[field].ndim))
-        emission = checks.color(name, "emission", emission)
-        flags = MaterialFlag(0)
-        if emission.any():
-            flags |= MaterialFlag.EMISSIVE | (MaterialFlag.ONE_SIDED if one_sided_emission else 0)
-        self.materials.append(Material(name, lobes, emission, int(flags), int(pass_index)))
+        surface = flatten(surface)
+        for closure, _ in surface.closures:
+            for field in closure.dtype.names:
+                checks.array(name, field, np.atleast_1d(closure[field]), np.float64, None)
+        if is_constant(surface.emission):
+            checks.color(name, "emission", surface.emission)
+        self.materials.append(Material(name, surface, bool(one_sided_emission), int(pass_index)))
         return len(self.materials) - 1
 
     # ---- Geometry ----
 
-    def mesh(self, name, positions, triangles, normals=None, uvs=None, slots=None):
+    def mesh(self, name, positions, triangles, normals=None, uvs=None, slots=None, attributes=None, texture_space=None):
         """Add a triangle mesh in object space. Returns its number, for `instance`.
 
         Parameters
@@ -99,6 +101,8 @@ class SceneBuilder:
         normals : float (n, 3, 3) unit shading normals of the corners; None for flat shading
         uvs : float (n, 3, 2)
         slots : int (n,) material slot of each triangle
+        attributes : dict, name: float (n, 3, up to 4), more values at the corners, for shader programs
+        texture_space : (scale (3,), offset (3,)) from positions to generated coordinates; None: the bounding box
         """
         positions = checks.positions(name, "vertex positions", positions)
         triangles = checks.indices(name, "triangle corners", triangles, len(positions), None, 3)
@@ -109,7 +113,9 @@ class SceneBuilder:
             uvs = checks.array(name, "UV coordinates", uvs, np.float32, n, 3, 2)
         if slots is not None:
             slots = checks.indices(name, "material slots", slots, 32768, n)
-        return self._add(Mesh(name, positions, triangles, normals, uvs, slots))
+        attributes = {key: _four_floats(name, key, value, n) for key, value in (attributes or {}).items()}
+        texture_space = texture_space or bounding_texture_space(positions)
+        return self._add(Mesh(name, positions, triangles, normals, uvs, slots, attributes, texture_space))
 
     def spheres(self, name, centres, radii):
         """Add analytic spheres in object space: float (n, 3) and (n,). Returns their number, for `instance`."""
@@ -139,6 +145,7 @@ class SceneBuilder:
         visibility=Visibility.ALL,
         pass_index=0,
         random=0.0,
+        color=(1.0, 1.0, 1.0, 1.0),
     ):
         """Let a geometry stand in the world; any number of times.
 
@@ -151,7 +158,9 @@ class SceneBuilder:
         if any(not 0 <= m < len(self.materials) for m in materials):
             raise checks.SceneError(f"{name}: material numbers {materials}, there are {len(self.materials)}")
         self.placements.append(
-            Placement(geometry, to_world, materials, name, int(visibility), int(pass_index), float(random))
+            Placement(
+                geometry, to_world, materials, name, int(visibility), int(pass_index), float(random), tuple(color)
+            )
         )
 
     # ---- Light ----
@@ -194,8 +203,8 @@ class SceneBuilder:
         self.lights.append(light)
 
     def background(self, radiance, visibility=Visibility.ALL):
-        """The world shines with `radiance` (3,) from everywhere."""
-        self.world_radiance = checks.color("World", "radiance", radiance)
+        """The world shines with `radiance`: (3,) the same from everywhere, or a value of `shader.graph`."""
+        self.world_radiance = checks.color("World", "radiance", radiance) if is_constant(radiance) else radiance
         self.world_visibility = int(visibility)
 
     # ---- Camera ----
@@ -245,6 +254,24 @@ class SceneBuilder:
         message = f"{name}: {text}"
         if message not in self.warnings:
             self.warnings.append(message)
+
+
+def bounding_texture_space(positions):
+    """(scale, offset) that make generated coordinates go from 0 to 1 over the box around `positions`."""
+    if not len(positions):
+        return np.ones(3), np.zeros(3)
+    low, high = positions.min(axis=0).astype(np.float64), positions.max(axis=0).astype(np.float64)
+    size = np.where(high > low, high - low, 1.0)
+    return 1.0 / size, np.where(high > low, -low / size, 0.5 - low)
+
+
+def _four_floats(name, key, values, count):
+    """An attribute as float32 (count, 3, 4): alpha is 1 where there is none."""
+    values = np.asarray(values, np.float32)
+    four = np.zeros((count, 3, 4), np.float32)
+    four[..., 3] = 1.0
+    four[..., : values.shape[-1]] = checks.array(name, key, values, np.float32, count, 3, values.shape[-1])
+    return four
 
 
 def look_at(eye, target, up=(0.0, 0.0, 1.0)):

@@ -14,6 +14,7 @@ import numpy as np
 
 from ..accel.nodes import aligned_rows
 from ..settings import Settings
+from ..shader import link, verify
 from ..tables import LIGHT_WIDTH, MAX_LOBES, Scene, TreeKind
 from .checks import SceneError
 
@@ -58,6 +59,8 @@ def load_scene(path):
             raise
         raise SceneError(f"{name}: cannot be read as a scene file ({error})") from None
     check_tables(name, tables)
+    families = {int(family) for family in tables["ops"]["family"]}
+    tables["kernels"] = link.kernels(families, len(tables["programs"]) > 1)  # what the file says is of another process
     return Scene(**tables), settings
 
 
@@ -111,6 +114,8 @@ def check_tables(name, tables):
     ):
         within(what, world[field], table)
     _check_light_tree(name, tables, within)
+    for fault in verify.faults(tables):
+        raise SceneError(f"{name}: {fault}")
 
 
 def _check_light_tree(name, tables, within):

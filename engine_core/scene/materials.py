@@ -1,21 +1,24 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a surface is made of: closures as plain data, and how they become rows of LOBE.
+"""What a surface is made of: closures as plain data, and how they become rows of CLOSURE and LOBE.
 
     Mix(0.3, Diffuse((0.8, 0.2, 0.1)), Glossy((1, 1, 1), roughness=0.2))
 
 The names and the meaning are those of Blender's shader nodes. Colours are linear, three numbers. `roughness` is the
-artist's number, 0 to 1; the microfacet width is alpha = roughness ** 2.
+artist's number, 0 to 1; the microfacet width is alpha = roughness ** 2. Any number or colour may be a value
+that varies over the surface instead: a Node of `shader.graph`. `normal` is in world space, None for the surface's own.
 """
 
-import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from typing import NamedTuple
 
 import numpy as np
 
-from ..tables import LOBE, MAX_LOBES, FresnelKind, LobeKind
+from ..program_tables import CLOSURE, ClosureKind
+from ..shader import graph
+from ..shader.link import lobes_of
+from ..tables import LOBE, MAX_LOBES, LobeKind
 
 WHITE = (1.0, 1.0, 1.0)
-NEGLIGIBLE = 1e-5  # weights below this are dropped, as Cycles does
 
 
 @dataclass(frozen=True)
@@ -26,11 +29,13 @@ class Black:
 @dataclass(frozen=True)
 class Diffuse:
     color: tuple = (0.8, 0.8, 0.8)
+    normal: object = None
 
 
 @dataclass(frozen=True)
 class Translucent:
     color: tuple = (0.8, 0.8, 0.8)
+    normal: object = None
 
 
 @dataclass(frozen=True)
@@ -46,6 +51,7 @@ class Glossy:
     roughness: float = 0.5
     anisotropy: float = 0.0  # -1 to 1
     multiscatter: bool = False
+    normal: object = None
 
 
 @dataclass(frozen=True)
@@ -63,6 +69,7 @@ class Metallic:
     ior: tuple | None = None
     extinction: tuple | None = None
     multiscatter: bool = False
+    normal: object = None
 
 
 @dataclass(frozen=True)
@@ -71,6 +78,7 @@ class Glass:
     roughness: float = 0.0
     ior: float = 1.5
     multiscatter: bool = False
+    normal: object = None
 
 
 @dataclass(frozen=True)
@@ -78,6 +86,7 @@ class Refraction:
     color: tuple = WHITE
     roughness: float = 0.0
     ior: float = 1.45
+    normal: object = None
 
 
 @dataclass(frozen=True)
@@ -108,13 +117,14 @@ class Principled:
     emission_color: tuple = WHITE
     emission_strength: float = 0.0
     multiscatter: bool = True
+    normal: object = None
 
 
 @dataclass(frozen=True)
 class Mix:
     """`a` where factor is 0, `b` where it is 1."""
 
-    factor: float
+    factor: object
     a: object
     b: object
 
@@ -125,194 +135,143 @@ class Add:
     b: object
 
 
-def lower(surface):
-    """Turn a closure into what the tables hold.
+class Surface(NamedTuple):
+    """A closure taken apart."""
+
+    closures: list  # (row of CLOSURE, {field: value that varies})
+    emission: object  # value: radiance
+    transparency: object  # value: what light passes straight through
+
+
+def flatten(surface):
+    """The Surface that a closure is: a flat list of what scatters, with mix factors multiplied out."""
+    flattening = _Flattening()
+    flattening.add(surface, 1.0)
+    return Surface(flattening.closures, flattening.emission, flattening.transparency)
+
+
+def lower(closures):
+    """Turn rows of CLOSURE into what the tables hold.
 
     Returns
     -------
     lobes : recarray of LOBE, at most MAX_LOBES
-    emission : float32 (3,), radiance
     dropped : list of str, names of lobes for which there was no room
     """
-    lowering = _Lowering()
-    lowering.add(surface, np.ones(3))
-    rows, dropped = _merge_equal(lowering.rows), []
+    rows = _merge_equal([lobe for row in closures for lobe in lobes_of(row)])
+    dropped = []
     if len(rows) > MAX_LOBES:
         # the faintest go; the others keep their order, which layers depend on
         rank = np.argsort([-np.mean(row["weight"] * np.minimum(row["f0"], 1.0)) for row in rows], kind="stable")
         dropped = [LobeKind(rows[i]["kind"]).name.lower() for i in rank[MAX_LOBES:]]
         rows = [rows[i] for i in sorted(rank[:MAX_LOBES])]
-    lobes = np.zeros(len(rows), LOBE)
-    for lobe, row in zip(lobes, rows, strict=True):
-        for name, value in row.items():
-            lobe[name] = value
-    return lobes.view(np.recarray), lowering.emission.astype(np.float32), dropped
+    return np.array(rows, LOBE).view(np.recarray), dropped
 
 
-class _Lowering:
-    """Walks a closure and collects lobes (as dicts of LOBE's fields) and emission."""
+class _Flattening:
+    """Walks a closure and collects rows of CLOSURE, emission and transparency."""
 
     def __init__(self):
-        self.rows, self.emission, self.layers = [], np.zeros(3), 0
+        self.closures, self.layers = [], 0
+        self.emission = self.transparency = (0.0, 0.0, 0.0)
 
     def add(self, closure, weight):
-        """Add `closure`, mixed in with `weight` (3,)."""
-        getattr(self, f"_{type(closure).__name__.lower()}")(closure, weight)
+        """Add `closure`, mixed in with `weight`, a number."""
+        if not (graph.is_constant(weight) and weight <= 0.0):
+            getattr(self, f"_{type(closure).__name__.lower()}")(closure, weight)
 
-    def _lobe(self, kind, weight, **fields):
-        weight = np.maximum(weight, 0.0)
-        if weight.max() > NEGLIGIBLE:
-            defaults = {
-                "ior": 1.0,
-                "f0": WHITE,
-                "f82": WHITE,
-                "reflect_tint": WHITE,
-                "refract_tint": WHITE,
-                "energy_scale": 1.0,
-            }
-            self.rows.append({"kind": kind, "weight": weight, **defaults, **fields})
+    def _row(self, kind, weight, values, multiscatter=False, layer=0):
+        """A row of CLOSURE. `values`: by field; None where nothing is set."""
+        row, varying = np.zeros(1, CLOSURE)[0], {}
+        row["kind"], row["multiscatter"], row["layer"] = kind, multiscatter, layer
+        for field, value in {"weight": weight, **values}.items():
+            if value is None:
+                continue
+            if graph.is_constant(value):
+                row[field] = value
+            else:
+                varying[field] = value
+        self.closures.append((row, varying))
+
+    def _same(self, kind, c, weight, **renamed):
+        """A closure whose fields have the names of CLOSURE, but for those that are renamed."""
+        names = {f.name: renamed.get(f.name, f.name) for f in fields(c) if f.name != "multiscatter"}
+        values = {field: getattr(c, name) for name, field in names.items()}
+        self._row(kind, weight, values, getattr(c, "multiscatter", False))
 
     def _black(self, c, weight):
         pass
 
     def _mix(self, c, weight):
-        factor = min(max(c.factor, 0.0), 1.0)
-        self.add(c.a, weight * (1.0 - factor))
-        self.add(c.b, weight * factor)
+        factor = graph.clamped(c.factor)
+        self.add(c.a, graph.product(weight, graph.complement(factor)))
+        self.add(c.b, graph.product(weight, factor))
 
     def _add(self, c, weight):
         self.add(c.a, weight)
         self.add(c.b, weight)
 
     def _emission(self, c, weight):
-        self.emission += weight * np.array(c.color) * c.strength
+        light = graph.scaled(c.color, graph.product(weight, c.strength))
+        self.emission = graph.added(self.emission, light)
 
     def _diffuse(self, c, weight):
-        self._lobe(LobeKind.DIFFUSE, weight * c.color)
+        self._same(ClosureKind.DIFFUSE, c, weight)
 
     def _translucent(self, c, weight):
-        self._lobe(LobeKind.TRANSLUCENT, weight * c.color)
+        self._same(ClosureKind.TRANSLUCENT, c, weight)
 
     def _transparent(self, c, weight):
-        self._lobe(LobeKind.TRANSPARENT, weight * c.color)
+        self._same(ClosureKind.TRANSPARENT, c, weight)
+        self.transparency = graph.added(self.transparency, graph.scaled(c.color, weight))
 
     def _glossy(self, c, weight):
-        self._lobe(
-            LobeKind.CONDUCTOR,
-            weight,
-            fresnel=FresnelKind.CONSTANT,
-            f0=c.color,
-            multiscatter=c.multiscatter,
-            **glossy_node_alphas(c.roughness, c.anisotropy),
-        )
+        self._same(ClosureKind.GLOSSY, c, weight)
 
     def _metallic(self, c, weight):
-        by_ior = c.ior is not None
-        self._lobe(
-            LobeKind.CONDUCTOR,
-            weight,
-            fresnel=FresnelKind.CONDUCTOR if by_ior else FresnelKind.F82,
-            f0=c.ior if by_ior else c.base_color,
-            f82=c.extinction if by_ior else c.edge_tint,
-            multiscatter=c.multiscatter,
-            **glossy_node_alphas(c.roughness, c.anisotropy),
-        )
+        values = {"roughness": c.roughness, "anisotropy": c.anisotropy, "normal": c.normal}
+        if c.ior is not None:
+            values |= {"color": c.ior, "edge_tint": c.extinction}
+            self._row(ClosureKind.CONDUCTOR, weight, values, c.multiscatter)
+        else:
+            values |= {"color": c.base_color, "edge_tint": c.edge_tint}
+            self._row(ClosureKind.METALLIC, weight, values, c.multiscatter)
 
     def _glass(self, c, weight):
-        self._lobe(
-            LobeKind.DIELECTRIC,
-            weight,
-            reflect_tint=c.color,
-            refract_tint=c.color,
-            ior=max(c.ior, 1e-5),
-            multiscatter=c.multiscatter,
-            **alphas(c.roughness),
-        )
+        self._same(ClosureKind.GLASS, c, weight)
 
     def _refraction(self, c, weight):
-        self._lobe(LobeKind.REFRACTION, weight * c.color, ior=max(c.ior, 1e-5), **alphas(c.roughness))
+        self._same(ClosureKind.REFRACTION, c, weight)
 
     def _principled(self, c, weight):
-        """The order of the layers is that of Cycles: see-through, coat, metal, glass, specular, base."""
         self.layers += 1
-        layer = {"layer": self.layers}
-        base_color = np.clip(c.base_color, 0.0, None)
-        widths = principled_alphas(c.roughness, c.anisotropic)
-
-        self._lobe(LobeKind.TRANSPARENT, weight * (1.0 - c.alpha))
-        weight = weight * c.alpha
-        if c.coat_weight > NEGLIGIBLE:
-            coat = {"ior": max(c.coat_ior, 1.0), "multiscatter": 1, **alphas(c.coat_roughness)}
-            cover = {"covers": c.coat_weight, "refract_tint": c.coat_tint}
-            self._lobe(LobeKind.COATING, weight * c.coat_weight, **cover, **coat, **layer)
-        self.emission += weight * np.array(c.emission_color) * c.emission_strength
-
-        metal = {"fresnel": FresnelKind.F82, "f0": np.clip(base_color, 0, 1), "f82": c.specular_tint}
-        self._lobe(LobeKind.CONDUCTOR, weight * c.metallic, multiscatter=c.multiscatter, **metal, **widths, **layer)
-        weight = weight * (1.0 - c.metallic)
-        # a ray passes the glass going in and coming out: each time half of the colour
-        self._lobe(
-            LobeKind.DIELECTRIC,
-            weight * c.transmission,
-            reflect_tint=c.specular_tint,
-            refract_tint=np.sqrt(base_color),
-            ior=max(c.ior, 1e-5),
-            multiscatter=c.multiscatter,
-            **alphas(c.roughness),
-            **layer,
-        )
-        weight = weight * (1.0 - c.transmission)
-        ior = specular_ior(c.ior, c.specular_ior_level)
-        if ior != 1.0:
-            self._lobe(
-                LobeKind.COATING,
-                weight,
-                covers=1.0,
-                ior=ior,
-                f0=c.specular_tint,
-                multiscatter=c.multiscatter,
-                **widths,
-                **layer,
-            )
-        self._lobe(LobeKind.DIFFUSE, weight * base_color, **layer)
-
-
-def alphas(roughness):
-    """Fields alpha_x, alpha_y of an isotropic lobe."""
-    alpha = min(max(roughness, 0.0), 1.0) ** 2
-    return {"alpha_x": alpha, "alpha_y": alpha}
-
-
-def glossy_node_alphas(roughness, anisotropy):
-    """Widths as Blender's Glossy and Metallic nodes stretch them."""
-    alpha = min(max(roughness, 0.0), 1.0) ** 2
-    anisotropy = min(max(anisotropy, -0.99), 0.99)
-    if anisotropy < 0.0:
-        return {"alpha_x": alpha / (1.0 + anisotropy), "alpha_y": alpha * (1.0 + anisotropy)}
-    return {"alpha_x": alpha * (1.0 - anisotropy), "alpha_y": alpha / (1.0 - anisotropy)}
-
-
-def principled_alphas(roughness, anisotropic):
-    """Widths as the Principled BSDF stretches them (Burley 2012, section 5.4)."""
-    alpha = min(max(roughness, 0.0), 1.0) ** 2
-    aspect = math.sqrt(1.0 - 0.9 * min(max(anisotropic, 0.0), 1.0))
-    return {"alpha_x": alpha / aspect, "alpha_y": alpha * aspect}
-
-
-def specular_ior(ior, level):
-    """Index of refraction whose reflectance at normal incidence is that of `ior` times 2 `level`."""
-    f0 = min(((ior - 1.0) / (ior + 1.0)) ** 2 * 2.0 * max(level, 0.0), 0.99)
-    adjusted = (1.0 + math.sqrt(f0)) / (1.0 - math.sqrt(f0))
-    return 1.0 / adjusted if ior < 1.0 else adjusted
+        alpha = graph.clamped(c.alpha)
+        light = graph.product(graph.product(weight, alpha), c.emission_strength)
+        self.emission = graph.added(self.emission, graph.scaled(c.emission_color, light))
+        clear = graph.product(weight, graph.complement(alpha))
+        self.transparency = graph.added(self.transparency, graph.scaled(WHITE, clear))
+        values = {
+            "color": c.base_color,
+            "edge_tint": c.specular_tint,
+            "specular_level": c.specular_ior_level,
+            "anisotropy": c.anisotropic,
+        }
+        for name in ("metallic", "roughness", "ior", "alpha", "transmission", "normal"):
+            values[name] = getattr(c, name)
+        for name in ("coat_weight", "coat_roughness", "coat_ior", "coat_tint"):
+            values[name] = getattr(c, name)
+        self._row(ClosureKind.PRINCIPLED, weight, values, c.multiscatter, self.layers)
 
 
 def _merge_equal(rows):
     """Add the weights of lobes that are alike in all else."""
     merged = {}
     for row in rows:
-        key = tuple((k, tuple(np.ravel(v))) for k, v in sorted(row.items()) if k != "weight")
+        rest = row.copy()
+        rest["weight"] = 0.0
+        key = rest.tobytes()
         if key in merged:
-            merged[key]["weight"] = merged[key]["weight"] + row["weight"]
+            merged[key]["weight"] += row["weight"]
         else:
-            merged[key] = dict(row)
+            merged[key] = row.copy()
     return list(merged.values())

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..shape.dispatch import bounds
 from ..tables import LIGHT, SHAPE, LightKind, ShapeKind
 from . import checks
 
@@ -26,6 +27,16 @@ class Shapes:
     @property
     def radii(self):
         return self.rows["radius"]
+
+    @property
+    def texture_space(self):
+        """(scale, offset) from positions to generated coordinates: 0 to 1 over the box around all of them."""
+        if not len(self.rows):
+            return np.ones(3), np.zeros(3)
+        low, high = (limit.astype(np.float64) for limit in bounds(self.rows))
+        low, high = low.min(axis=0), high.max(axis=0)
+        size = np.maximum(high - low, 1e-30)
+        return 1.0 / size, -low / size
 
 
 def spheres(name, centres, radii):

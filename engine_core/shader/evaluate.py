@@ -1,38 +1,61 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Fill the BSDF of a hit with the lobes of its material.
+"""What integrators ask of materials: how a place scatters, what it emits, what it lets through.
 
-Materials are constant: their lobes stand in the scene's table and are copied. A material that is a program of shader
-nodes would be run here, and fill the same rows.
+A constant material's rows stand in the scene's tables. One with a program has the machine make them, behind an address:
+see `machine`.
 """
 
 from ..jit import kernel
 from ..linalg.frame import frame_from_normal
 from ..linalg.records import copy_record
+from ..linalg.registers import call
 from ..linalg.vec3 import load3, store3
 from ..tables import LobeKind
+from .opcodes import Entry
+
+SURFACE, VALUE, LIGHT = int(Entry.SURFACE), int(Entry.VALUE), int(Entry.LIGHT)
 
 
 @kernel
-def fill_bsdf(scene, it, bsdf, keep_reflections, keep_refractions):
-    """Set frame and lobes of `bsdf` for the Interaction `it`.
+def has_program(material):
+    return material.program > 0 or material.emission_program > 0
+
+
+@kernel
+def fill_bsdf(scene, it, point, bsdf, keep_reflections, keep_refractions):
+    """Set frame and lobes of `bsdf` for the Interaction `it`; `point` is set if the material `has_program`.
 
     `keep_reflections`, `keep_refractions`: whether lobes that would cast caustics take part.
     """
     store3(bsdf, "ng", it.ng)
     store3(bsdf, "n", it.ns)
-    s, t = frame_from_normal(it.ns)
+    material = scene.materials[it.material]
+    if material.program > 0:
+        call(scene.kernels[SURFACE].address, scene, scene.programs[material.program], point, bsdf)
+    else:
+        bsdf.count = material.lobe_count
+        for i in range(material.lobe_count):
+            copy_record(bsdf.lobes[i], scene.lobes[material.lobes + i])
+    if not (keep_reflections and keep_refractions):
+        drop_caustics(bsdf, keep_reflections, keep_refractions)
+    s, t = frame_from_normal(load3(bsdf, "n"))
     store3(bsdf, "s", s)
     store3(bsdf, "t", t)
-    material = scene.materials[it.material]
+
+
+@kernel
+def drop_caustics(bsdf, keep_reflections, keep_refractions):
+    """Leave out what would cast caustics by reflection, or by refraction."""
     count = 0
-    for i in range(material.lobes, material.lobes + material.lobe_count):
-        lobe = scene.lobes[i]
+    for i in range(bsdf.count):
+        lobe = bsdf.lobes[i]
         if lobe.kind == LobeKind.CONDUCTOR or lobe.kind == LobeKind.COATING:
             if not keep_reflections:
                 continue
         elif lobe.kind == LobeKind.REFRACTION and not keep_refractions:
             continue
-        copy_record(bsdf.lobes[count], lobe)
+        if count != i:
+            copy_record(bsdf.lobes[count], lobe)
         if lobe.kind == LobeKind.DIELECTRIC:
             if not keep_reflections:
                 store3(bsdf.lobes[count], "reflect_tint", load3(lobe, "reflect_tint") * 0.0)
@@ -40,3 +63,28 @@ def fill_bsdf(scene, it, bsdf, keep_reflections, keep_refractions):
                 store3(bsdf.lobes[count], "refract_tint", load3(lobe, "refract_tint") * 0.0)
         count += 1
     bsdf.count = count
+
+
+@kernel
+def run_program(scene, program, point):
+    """The colour that a program gives at `point`."""
+    call(scene.kernels[VALUE].address, scene, scene.programs[program], point, point)
+    return load3(point, "result")
+
+
+@kernel
+def emission(scene, material, point):
+    """Radiance that a surface emits."""
+    if material.emission_program > 0:
+        return run_program(scene, material.emission_program, point)
+    return load3(material, "emission")
+
+
+@kernel
+def light_radiance(scene, light, point, q, wi, distance, visibility):
+    """Radiance of a light with a program at its point `q`, which lies along `wi`; `point` is scratch."""
+    store3(point, "p", q)
+    store3(point, "wo", -wi)
+    point.ray_length, point.visibility = distance, visibility
+    call(scene.kernels[LIGHT].address, scene, light, point, point)
+    return load3(point, "result")

@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Attributes of meshes that shader nodes ask for by name: UV maps, colours, tangents, numbers of islands."""
+
+import bpy
+import numpy as np
+
+ACTIVE_COLOR = "<active colour>"  # names that no attribute of an artist has
+TANGENT = "<tangent> "
+ISLANDS = "<random per island>"
+SIZES = {
+    "FLOAT": 1,
+    "INT": 1,
+    "BOOLEAN": 1,
+    "INT8": 1,
+    "FLOAT2": 2,
+    "FLOAT_VECTOR": 3,
+    "FLOAT_COLOR": 4,
+    "BYTE_COLOR": 4,
+}
+PROPERTIES = {"FLOAT_COLOR": "color", "BYTE_COLOR": "color", "FLOAT2": "vector", "FLOAT_VECTOR": "vector"}
+
+
+def wanted_names():
+    """Names of attributes that any shader node of the file asks for."""
+    names = set()
+    trees = [m.node_tree for m in bpy.data.materials if m.node_tree]
+    trees += [t for t in bpy.data.node_groups if t.bl_idname == "ShaderNodeTree"]
+    for node in (node for tree in trees for node in tree.nodes):
+        if node.type == "UVMAP" and node.uv_map:
+            names.add(node.uv_map)
+        elif node.type == "ATTRIBUTE":
+            names.add(node.attribute_name)
+        elif node.type == "VERTEX_COLOR":
+            names.add(node.layer_name or ACTIVE_COLOR)
+        elif node.type == "NORMAL_MAP" and node.space == "TANGENT":
+            names.add(TANGENT + node.uv_map)
+        elif node.type == "NEW_GEOMETRY" and any(o.name == "Random Per Island" and o.is_linked for o in node.outputs):
+            names.add(ISLANDS)
+    return names
+
+
+def mesh_attributes(b_mesh, corners, names):
+    """{name: float32 (n, 3, up to 4)} of those of the names that the mesh has. `corners`: of the triangles, (n, 3)."""
+    found = {}
+    for name in names:
+        if name.startswith(TANGENT):
+            values = _tangents(b_mesh, name.removeprefix(TANGENT))
+        elif name == ISLANDS:
+            values = _islands(b_mesh)
+        else:
+            values = _values(b_mesh, name)
+        if values is not None:
+            found[name] = values[corners]
+    return found
+
+
+def _values(b_mesh, name):
+    """Values of an attribute at each corner (Blender's loops), float32 (loops, size); None if there is none."""
+    if name == ACTIVE_COLOR:
+        layers = b_mesh.color_attributes
+        attribute = layers[layers.render_color_index] if 0 <= layers.render_color_index < len(layers) else None
+    else:
+        attribute = b_mesh.attributes.get(name)
+    size = SIZES.get(attribute.data_type) if attribute else None
+    if size is None or not len(attribute.data):
+        return None
+    values = np.empty(len(attribute.data) * size, np.float32)
+    attribute.data.foreach_get(PROPERTIES.get(attribute.data_type, "value"), values)
+    values = values.reshape(-1, size)
+    if size == 1:
+        values = np.repeat(values, 3, axis=1)
+    elif size == 2:
+        values = np.concatenate([values, np.zeros((len(values), 1), np.float32)], axis=1)
+    return values[_owners(b_mesh, attribute.domain)]
+
+
+def _owners(b_mesh, domain):
+    """For each corner the number of the point, face or corner that owns its values."""
+    count = len(b_mesh.loops)
+    if domain == "POINT":
+        owners = np.empty(count, np.int32)
+        b_mesh.attributes[".corner_vert"].data.foreach_get("value", owners)
+        return owners
+    if domain == "FACE":
+        totals = np.empty(len(b_mesh.polygons), np.int32)
+        b_mesh.polygons.foreach_get("loop_total", totals)
+        return np.repeat(np.arange(len(totals)), totals)
+    return np.arange(count)
+
+
+def _tangents(b_mesh, uv_map):
+    """Tangents of a UV map and the signs of bitangents, (loops, 4); None without that map."""
+    layers = b_mesh.uv_layers
+    name = uv_map or next((uv.name for uv in layers if uv.active_render), "")
+    if name not in layers:
+        return None
+    try:
+        b_mesh.calc_tangents(uvmap=name)
+    except RuntimeError:  # Blender gives none to faces of more than four corners
+        return None
+    count = len(b_mesh.loops)
+    tangents, signs = np.empty(count * 3, np.float32), np.empty(count, np.float32)
+    b_mesh.loops.foreach_get("tangent", tangents)
+    b_mesh.loops.foreach_get("bitangent_sign", signs)
+    b_mesh.free_tangents()
+    return np.concatenate([tangents.reshape(-1, 3), signs[:, None]], axis=1)
+
+
+def _islands(b_mesh):
+    """A random number for each connected part of the mesh, (loops, 3)."""
+    count = len(b_mesh.vertices)
+    edges = np.empty(len(b_mesh.edges) * 2, np.int32)
+    b_mesh.edges.foreach_get("vertices", edges)
+    a, b = edges.reshape(-1, 2).T
+    island = np.arange(count)
+    while True:  # each point takes the least number next to it, and then that point's own: few rounds
+        least = island.copy()
+        np.minimum.at(least, a, island[b])
+        np.minimum.at(least, b, island[a])
+        least = least[least]
+        if (least == island).all():
+            break
+        island = least
+    bits = (island.astype(np.uint64) * np.uint64(0x9E3779B97F4A7C15)) >> np.uint64(40)
+    values = (bits.astype(np.float64) / 2.0**24).astype(np.float32)
+    return np.repeat(values[_owners(b_mesh, "POINT")][:, None], 3, axis=1)

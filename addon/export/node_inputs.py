@@ -1,0 +1,196 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Nodes that tell where a ray hit what: coordinates, geometry, attributes, the object, the ray, and bent normals."""
+
+import numpy as np
+
+from ..core import graph, opcodes
+from . import attributes
+
+Op, InputVector, InputNumber = opcodes.Op, opcodes.InputVector, opcodes.InputNumber
+ZERO3 = (0.0, 0.0, 0.0)
+
+
+def vector_input(kind):
+    return graph.node(Op.INPUT_VECTOR, mode=kind)
+
+
+def number_input(kind):
+    return graph.node(Op.INPUT_NUMBER, mode=kind)
+
+
+def attribute(name, size=3, offset=0):
+    return graph.part(graph.node(Op.ATTRIBUTE, data=name), offset, size)
+
+
+COORDINATES = {
+    "Generated": InputVector.GENERATED,
+    "Normal": InputVector.OBJECT_NORMAL,
+    "UV": InputVector.UV,
+    "Object": InputVector.OBJECT,
+    "Camera": InputVector.CAMERA,
+    "Window": InputVector.WINDOW,
+    "Reflection": InputVector.REFLECTION,
+}
+GEOMETRY = {
+    "Position": InputVector.POSITION,
+    "Normal": InputVector.NORMAL,
+    "True Normal": InputVector.TRUE_NORMAL,
+    "Incoming": InputVector.INCOMING,
+    "Parametric": InputVector.PARAMETRIC,
+    "Tangent": InputVector.RADIAL_TANGENT,
+}
+OBJECT = {
+    "Location": InputVector.OBJECT_LOCATION,
+    "Color": InputVector.OBJECT_COLOR,
+    "Alpha": InputNumber.OBJECT_ALPHA,
+    "Object Index": InputNumber.OBJECT_INDEX,
+    "Material Index": InputNumber.MATERIAL_INDEX,
+    "Random": InputNumber.RANDOM,
+}
+RAYS = {
+    "Is Camera Ray": InputNumber.IS_CAMERA,
+    "Is Shadow Ray": InputNumber.IS_SHADOW,
+    "Is Diffuse Ray": InputNumber.IS_DIFFUSE,
+    "Is Glossy Ray": InputNumber.IS_GLOSSY,
+    "Is Reflection Ray": InputNumber.IS_REFLECTION,
+    "Is Transmission Ray": InputNumber.IS_TRANSMISSION,
+    "Is Volume Scatter Ray": InputNumber.IS_VOLUME,
+    "Ray Length": InputNumber.RAY_LENGTH,
+    "Ray Depth": InputNumber.RAY_DEPTH,
+    "Diffuse Depth": InputNumber.DIFFUSE_DEPTH,
+    "Glossy Depth": InputNumber.GLOSSY_DEPTH,
+    "Transparent Depth": InputNumber.TRANSPARENT_DEPTH,
+    "Transmission Depth": InputNumber.TRANSMISSION_DEPTH,
+}
+
+
+def _input(kind):
+    return number_input(kind) if isinstance(kind, InputNumber) else vector_input(kind)
+
+
+def _texture_coordinate(values, node, output, groups):
+    if output.identifier == "Object" and node.object is not None:
+        b_object = node.object.evaluated_get(values.context.depsgraph)
+        matrix = np.linalg.inv(np.array(b_object.matrix_world))
+        rows = [tuple(float(x) for x in row[:3]) for row in matrix[:3]]
+        return graph.node(Op.TRANSFORM, vector_input(InputVector.POSITION), *rows, tuple(matrix[:3, 3].tolist()))
+    if node.from_instancer and output.identifier in ("Generated", "UV"):
+        values.warn(node, "coordinates of the instancer are not rendered yet; using those of the instance")
+    return _input(COORDINATES[output.identifier])
+
+
+def _geometry(values, node, output, groups):
+    name = output.identifier
+    if name == "Backfacing":
+        return number_input(InputNumber.BACKFACING)
+    if name == "Random Per Island":
+        return attribute(attributes.ISLANDS, 1)
+    if name == "Pointiness":
+        values.warn(node, "Pointiness is not rendered yet; using 0.5")
+        return 0.5
+    return _input(GEOMETRY[name])
+
+
+def _object_info(values, node, output, groups):
+    return _input(OBJECT[output.identifier])
+
+
+def _light_path(values, node, output, groups):
+    kind = RAYS.get(output.identifier)
+    if kind is None:
+        values.warn(node, f"{output.name} is not rendered yet; using 0")
+        return 0.0
+    return _input(kind)
+
+
+def _camera_data(values, node, output, groups):
+    if output.identifier == "View Vector":
+        camera = vector_input(InputVector.CAMERA)
+        normalized = graph.node(Op.VECTOR_MATH, camera, ZERO3, ZERO3, 0.0, mode=opcodes.VectorMath.NORMALIZE)
+        return graph.part(normalized, 0, 3)
+    is_depth = output.identifier == "View Z Depth"
+    return number_input(InputNumber.VIEW_DEPTH if is_depth else InputNumber.VIEW_DISTANCE)
+
+
+# ---- Attributes ------------------------------------------------------------------------------------------------------
+
+
+def _uv_map(values, node, output, groups):
+    return attribute(node.uv_map) if node.uv_map else vector_input(InputVector.UV)
+
+
+def _attribute(values, node, output, groups):
+    if node.attribute_type != "GEOMETRY":
+        values.warn(node, "attributes of objects, instancers and view layers are not rendered yet; using 0")
+        return 0.0 if output.type == "VALUE" else ZERO3
+    return _attribute_output(node.attribute_name, output)
+
+
+def _color_attribute(values, node, output, groups):
+    return _attribute_output(node.layer_name or attributes.ACTIVE_COLOR, output)
+
+
+def _attribute_output(name, output):
+    if output.identifier == "Alpha":
+        return attribute(name, 1, 3)
+    return graph.node(Op.AVERAGE, attribute(name)) if output.identifier == "Fac" else attribute(name)
+
+
+# ---- Normals and angles ----------------------------------------------------------------------------------------------
+
+
+def _normal_input(values, node, groups):
+    return values.normal_or_none(node, groups) or ZERO3
+
+
+def _bump(values, node, output, groups):
+    strength, distance = values.number(node, groups, "Strength"), values.number(node, groups, "Distance")
+    height = values.number(node, groups, "Height")
+    normal = _normal_input(values, node, groups)
+    if graph.is_constant(height):
+        return normal if normal != ZERO3 else vector_input(InputVector.NORMAL)
+    nearby = (graph.shifted(height, 1), graph.shifted(height, 2))
+    return graph.node(Op.BUMP, strength, distance, height, *nearby, normal, mode=int(node.invert))
+
+
+def _normal_map(values, node, output, groups):
+    space = node.space.removeprefix("BLENDER_")
+    color, strength = values.color(node, groups, "Color"), values.number(node, groups, "Strength")
+    tangent, sign = ZERO3, 1.0
+    if space == "TANGENT":
+        name = attributes.TANGENT + node.uv_map
+        tangent, sign = attribute(name), attribute(name, 1, 3)
+    return graph.node(Op.NORMAL_MAP, color, strength, tangent, sign, mode=opcodes.NormalSpace[space])
+
+
+def _fresnel(values, node, output, groups):
+    return graph.node(Op.FRESNEL, values.number(node, groups, "IOR"), _normal_input(values, node, groups))
+
+
+def _layer_weight(values, node, output, groups):
+    blend, normal = values.number(node, groups, "Blend"), _normal_input(values, node, groups)
+    return graph.node(Op.LAYER_WEIGHT, blend, normal, mode=int(output.identifier == "Facing"))
+
+
+def _light_falloff(values, node, output, groups):
+    """Quadratic is what light does anyway."""
+    if output.identifier != "Quadratic" or values.number(node, groups, "Smooth") != 0.0:
+        values.warn(node, f"{output.name} falloff is not rendered yet; light falls off quadratically")
+    return values.number(node, groups, "Strength")
+
+
+FUNCTIONS = {
+    "TEX_COORD": _texture_coordinate,
+    "NEW_GEOMETRY": _geometry,
+    "OBJECT_INFO": _object_info,
+    "LIGHT_PATH": _light_path,
+    "CAMERA": _camera_data,
+    "UVMAP": _uv_map,
+    "ATTRIBUTE": _attribute,
+    "VERTEX_COLOR": _color_attribute,
+    "BUMP": _bump,
+    "NORMAL_MAP": _normal_map,
+    "FRESNEL": _fresnel,
+    "LAYER_WEIGHT": _layer_weight,
+    "LIGHT_FALLOFF": _light_falloff,
+}

@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From sockets to values of engine_core's shader graphs: numbers where nothing is linked, else what the nodes say.
+
+Each kind of node has its function in `node_values`, `node_inputs` or `node_textures`. A node that has none is told by
+name, and its place is taken by a stand-in.
+"""
+
+import math
+
+from ..core import graph, opcodes
+from . import node_inputs, node_textures, node_values
+from .graph import by_identifier, source
+
+Op = opcodes.Op
+DEEPEST, MOST_NODES = 150, 5000  # a tree may use a node many times over; beyond, nobody will look at it
+FUNCTIONS = {**node_values.FUNCTIONS, **node_inputs.FUNCTIONS, **node_textures.FUNCTIONS}
+# What unknown nodes are taken for. Skies: averages over all directions with Blender's default settings, no sun
+SKIES = {"HOSEK_WILKIE": (0.08, 0.15, 0.22), "PREETHAM": (0.6, 0.7, 1.0)}
+LATER_SKIES = (2.0, 2.6, 3.5)
+STAND_INS = {"AMBIENT_OCCLUSION": 1.0, "TEX_GABOR": 0.5, "TEX_IES": 1.0, "WIREFRAME": 0.0}
+
+
+class Values:
+    """Translates one tree's value nodes. `warn(node, text)` tells of what is not rendered as it is."""
+
+    def __init__(self, context, warn):
+        self.context, self.warn = context, warn
+        self._known, self._depth, self._count = {}, 0, 0
+
+    # ---- Inputs of a node, by identifier ----
+
+    def number(self, node, groups, name):
+        return self.socket(by_identifier(node.inputs, name), groups, "VALUE")
+
+    def color(self, node, groups, name):
+        return self.socket(by_identifier(node.inputs, name), groups, "RGBA")
+
+    vector = color  # three numbers, either
+
+    def is_linked(self, node, groups, name):
+        return source(by_identifier(node.inputs, name), groups).node is not None
+
+    def normal_or_none(self, node, groups, name="Normal"):
+        """Value of a Normal input, None if nothing is linked."""
+        socket = by_identifier(node.inputs, name)
+        return self.socket(socket, groups, "VECTOR") if socket and source(socket, groups).node else None
+
+    def socket(self, socket, groups, kind):
+        """Value of an input socket as `kind`: "VALUE" one number, "VECTOR" or "RGBA" three."""
+        node, output, inner = source(socket, groups)
+        if node is None:
+            return converted(own_value(output), output.type, kind)
+        key = (node.as_pointer(), output.identifier, tuple(g.as_pointer() for g in inner))
+        if key not in self._known:
+            self._known[key] = self._output(node, output, inner)
+        value = self._known[key]
+        if value is None:  # as if it were not linked
+            return converted(own_value(socket), socket.type, kind)
+        return converted(value, "VALUE" if graph.width(value) == 1 else output.type, kind)
+
+    def _output(self, node, output, groups):
+        """Value of a node's output; None: nobody knows."""
+        self._count += 1
+        function = FUNCTIONS.get(node.type)
+        if self._depth >= DEEPEST or self._count > MOST_NODES:
+            self.warn(node, f"more than {MOST_NODES} nodes, or {DEEPEST} in a row; what is behind is left out")
+            return None
+        if function is None:
+            return self._stand_in(node, output)
+        self._depth += 1
+        try:
+            return function(self, node, output, groups)
+        finally:
+            self._depth -= 1
+
+    def _stand_in(self, node, output):
+        value = STAND_INS.get(node.type)
+        if node.type == "TEX_SKY":
+            value = SKIES.get(node.sky_type, LATER_SKIES)
+        text = "the socket's own value" if value is None else _text(value)
+        self.warn(node, f"{node.bl_label} is not rendered yet; using {text}")
+        return value
+
+
+def own_value(socket):
+    value = getattr(socket, "default_value", 0.0)
+    return tuple(float(v) for v in value)[:3] if hasattr(value, "__len__") else float(value)
+
+
+def converted(value, start, end):
+    """As Blender's sockets do it: a colour becomes its luminance, a vector its mean."""
+    is_number = graph.width(value) == 1
+    if end == "VALUE":
+        if is_number:
+            return value
+        op = Op.LUMINANCE if start == "RGBA" else Op.AVERAGE
+        return graph.node(op, value) if not graph.is_constant(value) else _number(value, op)
+    return graph.splat(value) if is_number else value
+
+
+def _number(value, op):
+    weights = (0.2126, 0.7152, 0.0722) if op == Op.LUMINANCE else (1.0 / 3.0,) * 3
+    return math.fsum(v * w for v, w in zip(value, weights, strict=True))
+
+
+def _text(value):
+    return f"({', '.join(f'{v:.3g}' for v in value)})" if isinstance(value, tuple) else f"{value:.3g}"

@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Many shader nodes in one picture: a sheet of tilted squares, each of which shines with what one node gives out.
+
+Rendered by Lambent and by Cycles, with every sample in the middle of its pixel, the two are equal number by number.
+"""
+
+import math
+import tempfile
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+import addon
+
+from .cycles import set_up_cycles
+from .exported import empty_scene
+from .small_blend import enable_cycles, render
+
+CELL = 12  # pixels of a square's cell
+MARGIN = 2  # pixels at the border of a cell that are not compared
+TILT = (0.5, -0.35, 0.1)  # of the squares, so that no coordinate is the same all over one
+
+
+def sheet(cases):
+    """Make a scene with a square for each of `cases`, {name: function(tree) that gives an output socket}."""
+    scene = empty_scene()
+    columns = math.ceil(math.sqrt(len(cases)))
+    rows = math.ceil(len(cases) / columns)
+    scene.render.resolution_x, scene.render.resolution_y = columns * CELL, rows * CELL
+    camera = scene.camera
+    camera.data.type, camera.data.ortho_scale = "ORTHO", max(columns, rows)
+    camera.location = (columns / 2, rows / 2, 10)
+    scene.view_settings.view_transform = "Standard"
+    b_mesh = square_with_attributes()
+    for number, (name, build) in enumerate(cases.items()):
+        b_object = bpy.data.objects.new(name, b_mesh)
+        scene.collection.objects.link(b_object)
+        b_object.location = (number % columns + 0.5, number // columns + 0.5, 0.1 * (number % 7))
+        b_object.rotation_euler, b_object.scale = TILT, (0.48, 0.48, 0.48)
+        b_object.color, b_object.pass_index = (0.2, 0.4, 0.8, 0.5), number % 5
+        material = bpy.data.materials.new(name)
+        if bpy.app.version < (5, 0):
+            material.use_nodes = True
+        material.pass_index = 3
+        b_object.material_slots[0].link = "OBJECT"
+        b_object.material_slots[0].material = material
+        tree = material.node_tree
+        tree.nodes.clear()
+        output, emission = tree.nodes.new("ShaderNodeOutputMaterial"), tree.nodes.new("ShaderNodeEmission")
+        tree.links.new(emission.outputs[0], output.inputs["Surface"])
+        tree.links.new(build(tree), emission.inputs["Color"])
+    return scene
+
+
+def square_with_attributes():
+    """A square of two triangles, with two UV maps, colours and a number, none of them linear in the others."""
+    b_mesh = bpy.data.meshes.new("Square")
+    b_mesh.from_pydata([(-1, -1, 0), (1, -1, 0), (1, 1, 0.3), (-1, 1, 0)], [], [(0, 1, 2), (0, 2, 3)])
+    corners = np.array([(0, 0), (1, 0), (1, 1), (0, 0), (1, 1), (0, 1)], np.float32)
+    b_mesh.uv_layers.new(name="UVMap").uv.foreach_set("vector", corners.ravel())
+    b_mesh.uv_layers.new(name="Second").uv.foreach_set("vector", (corners * (2.0, -0.7) + 0.1).astype("f4").ravel())
+    colors = b_mesh.color_attributes.new("Paint", "FLOAT_COLOR", "POINT")
+    colors.data.foreach_set("color", np.array([(1, 0, 0, 1), (0, 1, 0, 0.5), (0, 0, 1, 1), (1, 1, 0, 0)], "f4").ravel())
+    b_mesh.attributes.new("Heat", "FLOAT", "POINT").data.foreach_set("value", [0.1, 0.9, 0.4, 2.0])
+    b_mesh.materials.append(None)
+    return b_mesh
+
+
+def compared(cases):
+    """{name: (Lambent's pixels, Cycles' pixels)} of the middle of each square, float32 (n, n, 3)."""
+    if not hasattr(bpy.types.Scene, "lambent"):
+        addon.register()
+    scene = sheet(cases)
+    with tempfile.TemporaryDirectory() as folder:
+        scene.render.engine = "LAMBENT"
+        scene.lambent.samples, scene.lambent.filter_type, scene.lambent.filter_width = 64, "BOX", 0.01
+        ours = render(Path(folder, "lambent.exr"), scene)
+        enable_cycles()
+        set_up_cycles(scene, samples=1)
+        scene.cycles.pixel_filter_type, scene.cycles.filter_width = "BOX", 0.01
+        theirs = render(Path(folder, "cycles.exr"), scene)
+    columns = math.ceil(math.sqrt(len(cases)))
+    cells = {}
+    for number, name in enumerate(cases):
+        x, y = (number % columns) * CELL, (number // columns) * CELL
+        window = np.s_[y + MARGIN : y + CELL - MARGIN, x + MARGIN : x + CELL - MARGIN, :3]
+        cells[name] = ours[window], theirs[window]
+    return cells

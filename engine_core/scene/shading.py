@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Materials, the world and attributes as tables: what is constant as rows, what varies as programs."""
+
+import numpy as np
+
+from ..jit import kernel
+from ..light.background import PI, TWO_PI, make_map
+from ..linalg.vec3 import Vec3, average, load3, store3
+from ..program_tables import ATTRIBUTE, ATTRIBUTE_MAP, CELL, ClosureKind
+from ..sampling.warp import square_to_triangle
+from ..shader import graph
+from ..shader.evaluate import light_radiance, run_program
+from ..shader.graph import GraphError
+from ..shader.point import new_point, set_world
+from ..shader.program import ProgramTables
+from ..tables import LOBE, MATERIAL, TRANSMITTING, LightKind, LobeKind, MaterialFlag, Visibility
+from .materials import Diffuse, flatten, lower
+
+GREY = Diffuse((0.5, 0.5, 0.5))
+TRANSMITTING_CLOSURES = (ClosureKind.GLASS, ClosureKind.REFRACTION, ClosureKind.TRANSLUCENT, ClosureKind.PRINCIPLED)
+BAKED = np.dtype([("radiance", "f4", (3,))])
+MAP_WIDTH, LARGE_MAP_WIDTH = 1024, 2048  # columns of the world's map; the larger for images of more columns
+SAMPLES_PER_TRIANGLE = 16
+
+
+class Shading:
+    """Fills the tables of materials and programs of a scene."""
+
+    def __init__(self, warn):
+        self.programs, self._warn = ProgramTables(), warn
+
+    # ---- Materials ----
+
+    def materials(self, materials):
+        """Tables MATERIAL and LOBE."""
+        rows, lobes, first = np.zeros(len(materials), MATERIAL), [], 0
+        for row, material in zip(rows, materials, strict=True):
+            try:
+                own = self._material(row, material, material.surface)
+            except GraphError as error:
+                self._warn(material.name, f"its nodes are too much for one shader: {error}; grey instead")
+                own = self._material(row, material, flatten(GREY))
+            row["lobes"], row["lobe_count"], row["pass_index"] = first, len(own), material.pass_index
+            lobes.append(own)
+            first += len(own)
+        return rows, np.concatenate(lobes) if lobes else np.zeros(0, LOBE)
+
+    def _material(self, row, material, surface):
+        """Fill a row of MATERIAL; returns its lobes, none if a program makes them."""
+        row["flags"] = 0
+        closures = [
+            (closure, {field: self.programs.constant(value) for field, value in varying.items()})
+            for closure, varying in surface.closures
+        ]
+        lobes = np.zeros(0, LOBE)
+        if any(not graph.is_constant(value) for _, varying in closures for value in varying.values()):
+            row["program"] = self.programs.add(closures=closures)
+            if any(closure["kind"] in TRANSMITTING_CLOSURES for closure, _ in closures):
+                row["flags"] |= MaterialFlag.TRANSMITS
+        else:
+            lobes, dropped = lower([_with(closure, values) for closure, values in closures])
+            if dropped:
+                text = f"has more than {len(lobes)} ways to scatter; left out the faintest: {', '.join(dropped)}"
+                self._warn(material.name, text)
+            if np.isin(lobes["kind"], TRANSMITTING).any():
+                row["flags"] |= MaterialFlag.TRANSMITS
+        row["emission"], row["emission_program"] = self._value(surface.emission)
+        if row["emission"].any():
+            row["flags"] |= MaterialFlag.EMISSIVE | (MaterialFlag.ONE_SIDED if material.one_sided else 0)
+        transparency, row["transparency_program"] = self._value(surface.transparency)
+        row["transparency"] = np.minimum(transparency, 1.0)
+        if row["transparency"].any() or (lobes["kind"] == LobeKind.TRANSPARENT).any():
+            row["flags"] |= MaterialFlag.TRANSPARENT
+        return lobes
+
+    def _value(self, value):
+        """(constant, 0) or (ones, row of PROGRAM) of a value of three floats."""
+        value = self.programs.constant(value)
+        if graph.is_constant(value):
+            return np.maximum(value, 0.0), 0
+        return np.ones(3), self.programs.add(value)
+
+    # ---- The world ----
+
+    def world(self, world, radiance):
+        """Set the world's radiance, a value."""
+        world["background"], world["background_program"] = self._value(radiance)
+
+    # ---- Attributes ----
+
+    def attributes(self, geometries):
+        """Tables ATTRIBUTE_MAP and ATTRIBUTE, and {number of a geometry: its row of ATTRIBUTE_MAP}."""
+        names, maps, rows, firsts = self.programs.attributes, [], [], {}
+        count = 0
+        for number, geometry in enumerate(geometries):
+            own = getattr(geometry, "attributes", {})
+            if not any(name in own for name in names):
+                continue
+            firsts[number] = len(maps)
+            for name in names:
+                maps.append(count if name in own else -1)
+                if name in own:
+                    values = np.zeros(len(own[name]), ATTRIBUTE)
+                    values["value"] = own[name]
+                    rows.append(values)
+                    count += len(values)
+        table = np.zeros(len(maps), ATTRIBUTE_MAP)
+        table["first"] = maps
+        return {"attribute_maps": table, "attributes": np.concatenate(rows) if rows else np.zeros(0, ATTRIBUTE)}, firsts
+
+
+def _with(row, values):
+    row = row.copy()
+    for field, value in values.items():
+        row[field] = value
+    return row
+
+
+# ---- What programs come to on average --------------------------------------------------------------------------------
+
+
+def bake_lights(scene):
+    """Set `emission` of lights that have programs to its mean."""
+    if (scene.lights["program"] > 0).any():
+        _bake_lights(scene, len(scene.lights), SAMPLES_PER_TRIANGLE)
+
+
+@kernel
+def _bake_lights(scene, count, samples):
+    point = new_point()
+    for row in range(count):
+        light = scene.lights[row]
+        if light.program == 0 or light.kind != LightKind.TRIANGLE:
+            continue
+        total = Vec3(0.0, 0.0, 0.0)
+        for i in range(samples):
+            # a Hammersley-like set: strata one way, the golden ratio the other
+            u0 = (np.float32(i) + 0.5) / np.float32(samples)
+            u1 = (np.float32(i) + 0.5) * np.float32(0.618034)
+            b1, b2 = square_to_triangle(u0, u1 - np.floor(u1))
+            q = load3(light, "p") + load3(light, "u") * b1 + load3(light, "v") * b2
+            n = load3(light, "n")
+            total = total + light_radiance(scene, light, point, q, -n, np.float32(1.0), Visibility.DIFFUSE.value)
+        store3(light, "emission", total * (1.0 / np.float32(samples)))
+
+
+def bake_world(scene, largest_image):
+    """Make the map of a world with a program: sets its size and mean radiance in WORLD, returns the table CELL."""
+    width = LARGE_MAP_WIDTH if largest_image > MAP_WIDTH else MAP_WIDTH
+    height = width // 2
+    cells = np.zeros(width * height, BAKED).view(np.recarray)
+    _bake_world(scene, cells, width, height, 2)
+    radiance = cells["radiance"].reshape(height, width, 3)
+    weight = np.cos(((np.arange(height) + 0.5) / height - 0.5) * np.pi)
+    mean = (radiance.astype(np.float64).mean(axis=1) * weight[:, None]).sum(axis=0) / weight.sum()
+    world = scene.world
+    world["background"] = mean
+    if not mean.any():
+        return np.zeros(0, CELL)
+    world["map_width"], world["map_height"] = width, height
+    return make_map(radiance).view(CELL)
+
+
+@kernel
+def _bake_world(scene, cells, width, height, per_side):
+    """Means of per_side^2 directions in each cell."""
+    point, program = new_point(), scene.world[0].background_program
+    share = 1.0 / np.float32(per_side * per_side)
+    for row in range(height):
+        for column in range(width):
+            total = Vec3(0.0, 0.0, 0.0)
+            for i in range(per_side):
+                v = (np.float32(row) + (np.float32(i) + 0.5) / np.float32(per_side)) / np.float32(height)
+                latitude = (v - 0.5) * PI
+                for j in range(per_side):
+                    u = (np.float32(column) + (np.float32(j) + 0.5) / np.float32(per_side)) / np.float32(width)
+                    longitude = (0.5 - u) * TWO_PI
+                    c = np.cos(latitude)
+                    d = Vec3(c * np.cos(longitude), c * np.sin(longitude), np.sin(latitude))
+                    set_world(point, d, Visibility.DIFFUSE.value)
+                    L = run_program(scene, program, point)
+                    if np.isfinite(average(L)):
+                        total = total + L
+            store3(cells[row * width + column], "radiance", total * share)

@@ -1,0 +1,202 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From what an artist sets, a row of CLOSURE, to the lobes that scatter: rows of LOBE in a BSDF.
+
+The one place where that is written: for constant materials it runs once, when a scene is built; where a program sets
+the numbers, at each hit. What Blender's nodes mean, Cycles defines.
+"""
+
+import math
+
+import numpy as np
+
+from ..jit import kernel
+from ..linalg.records import copy_record
+from ..linalg.vec3 import WHITE, Vec3, average, load3, max_component, store3
+from ..program_tables import ClosureKind
+from ..tables import MAX_LOBES, FresnelKind, LobeKind
+from .maths import saturate
+
+ZERO, ONE = np.float32(0.0), np.float32(1.0)
+NEGLIGIBLE = np.float32(1e-5)  # weights below this are dropped, as Cycles does
+SMALLEST_IOR = np.float32(1e-5)
+
+
+@kernel
+def add_closure(bsdf, c):
+    """Add the lobes of the closure `c` to those of the BSDF."""
+    kind = c.kind
+    weight = WHITE * c.weight
+    if kind == ClosureKind.PRINCIPLED:
+        add_principled(bsdf, c, weight)
+    elif kind == ClosureKind.DIFFUSE:
+        new_lobe(bsdf, LobeKind.DIFFUSE, weight * load3(c, "color"), 0)
+    elif kind == ClosureKind.TRANSLUCENT:
+        new_lobe(bsdf, LobeKind.TRANSLUCENT, weight * load3(c, "color"), 0)
+    elif kind == ClosureKind.TRANSPARENT:
+        new_lobe(bsdf, LobeKind.TRANSPARENT, weight * load3(c, "color"), 0)
+    elif kind == ClosureKind.GLASS:
+        i = new_lobe(bsdf, LobeKind.DIELECTRIC, weight, 0)
+        if i >= 0:
+            set_glass(bsdf.lobes[i], c, load3(c, "color"), load3(c, "color"))
+    elif kind == ClosureKind.REFRACTION:
+        i = new_lobe(bsdf, LobeKind.REFRACTION, weight * load3(c, "color"), 0)
+        if i >= 0:
+            lobe = bsdf.lobes[i]
+            lobe.ior = max(c.ior, SMALLEST_IOR)
+            set_alphas(lobe, c.roughness, ONE)
+    else:
+        add_metal(bsdf, c, weight)
+
+
+@kernel
+def add_metal(bsdf, c, weight):
+    """Glossy, and Metallic in both its models."""
+    i = new_lobe(bsdf, LobeKind.CONDUCTOR, weight, 0)
+    if i < 0:
+        return
+    lobe = bsdf.lobes[i]
+    if c.kind == ClosureKind.METALLIC:
+        lobe.fresnel = FresnelKind.F82
+    elif c.kind == ClosureKind.CONDUCTOR:
+        lobe.fresnel = FresnelKind.CONDUCTOR
+    store3(lobe, "f0", load3(c, "color"))
+    if c.kind != ClosureKind.GLOSSY:
+        store3(lobe, "f82", load3(c, "edge_tint"))
+    lobe.multiscatter = c.multiscatter
+    # widths as Blender's Glossy and Metallic nodes stretch them
+    anisotropy = min(max(c.anisotropy, -0.99), 0.99)
+    stretch = 1.0 / (1.0 + anisotropy) if anisotropy < 0.0 else 1.0 - anisotropy
+    set_alphas(lobe, c.roughness, stretch)
+
+
+@kernel
+def add_principled(bsdf, c, weight):
+    """The order of the layers is that of Cycles: see-through, coat, metal, glass, specular, base."""
+    alpha, metallic, transmission = saturate(c.alpha), saturate(c.metallic), saturate(c.transmission)
+    color = load3(c, "color")
+    base = Vec3(max(color.x, ZERO), max(color.y, ZERO), max(color.z, ZERO))
+    tint = load3(c, "edge_tint")
+    # widths as the Principled BSDF stretches them (Burley 2012, section 5.4)
+    stretch = 1.0 / math.sqrt(1.0 - 0.9 * saturate(c.anisotropy))
+
+    new_lobe(bsdf, LobeKind.TRANSPARENT, weight * (1.0 - alpha), 0)
+    weight = weight * alpha
+    if c.coat_weight > NEGLIGIBLE:
+        coat_weight = saturate(c.coat_weight)
+        i = new_lobe(bsdf, LobeKind.COATING, weight * coat_weight, c.layer)
+        if i >= 0:
+            coat = bsdf.lobes[i]
+            coat.covers = coat_weight
+            store3(coat, "refract_tint", load3(c, "coat_tint"))
+            coat.ior = max(c.coat_ior, ONE)
+            coat.multiscatter = 1
+            set_alphas(coat, c.coat_roughness, ONE)
+
+    i = new_lobe(bsdf, LobeKind.CONDUCTOR, weight * metallic, c.layer)
+    if i >= 0:
+        metal = bsdf.lobes[i]
+        metal.fresnel = FresnelKind.F82
+        store3(metal, "f0", Vec3(min(base.x, ONE), min(base.y, ONE), min(base.z, ONE)))
+        store3(metal, "f82", tint)
+        metal.multiscatter = c.multiscatter
+        set_alphas(metal, c.roughness, stretch)
+    weight = weight * (1.0 - metallic)
+
+    i = new_lobe(bsdf, LobeKind.DIELECTRIC, weight * transmission, c.layer)
+    if i >= 0:  # a ray passes the glass going in and coming out: each time half of the colour
+        set_glass(bsdf.lobes[i], c, tint, Vec3(math.sqrt(base.x), math.sqrt(base.y), math.sqrt(base.z)))
+    weight = weight * (1.0 - transmission)
+
+    ior = specular_ior(c.ior, c.specular_level)
+    if ior != 1.0:
+        i = new_lobe(bsdf, LobeKind.COATING, weight, c.layer)
+        if i >= 0:
+            specular = bsdf.lobes[i]
+            specular.covers = ONE
+            specular.ior = ior
+            store3(specular, "f0", tint)
+            specular.multiscatter = c.multiscatter
+            set_alphas(specular, c.roughness, stretch)
+    new_lobe(bsdf, LobeKind.DIFFUSE, weight * base, c.layer)
+
+
+@kernel
+def set_glass(lobe, c, reflect_tint, refract_tint):
+    store3(lobe, "reflect_tint", reflect_tint)
+    store3(lobe, "refract_tint", refract_tint)
+    lobe.ior = max(c.ior, SMALLEST_IOR)
+    lobe.multiscatter = c.multiscatter
+    set_alphas(lobe, c.roughness, ONE)
+
+
+@kernel
+def set_alphas(lobe, roughness, stretch):
+    alpha = saturate(roughness) * saturate(roughness)
+    lobe.alpha_x = alpha * stretch
+    lobe.alpha_y = alpha / stretch
+
+
+@kernel
+def specular_ior(ior, level):
+    """Index of refraction whose reflectance at normal incidence is that of `ior` times 2 `level`."""
+    f = (ior - 1.0) / (ior + 1.0)
+    f0 = math.sqrt(min(f * f * 2.0 * max(level, ZERO), 0.99))
+    adjusted = (1.0 + f0) / (1.0 - f0)
+    return 1.0 / adjusted if ior < 1.0 else adjusted
+
+
+# ---- Rows of lobes ---------------------------------------------------------------------------------------------------
+
+
+@kernel
+def new_lobe(bsdf, kind, weight, layer):
+    """Row of a new lobe with nothing set but its weight; -1 if that is negligible.
+
+    Where all rows are in use the faintest gives way, and the others keep their order, which layers depend on.
+    """
+    weight = Vec3(max(weight.x, ZERO), max(weight.y, ZERO), max(weight.z, ZERO))
+    if not max_component(weight) > NEGLIGIBLE:
+        return -1
+    if bsdf.count == MAX_LOBES and not drop_faintest(bsdf, average(weight)):
+        return -1
+    i = bsdf.count
+    bsdf.count = i + 1
+    lobe = bsdf.lobes[i]
+    lobe.kind = kind
+    store3(lobe, "weight", weight)
+    lobe.alpha_x = lobe.alpha_y = ZERO
+    lobe.ior = ONE
+    lobe.fresnel = FresnelKind.CONSTANT
+    store3(lobe, "f0", WHITE)
+    store3(lobe, "f82", WHITE)
+    store3(lobe, "reflect_tint", WHITE)
+    store3(lobe, "refract_tint", WHITE)
+    lobe.multiscatter = 0
+    lobe.energy_scale = ONE
+    lobe.layer = layer
+    lobe.covers = ZERO
+    lobe.pmf = ZERO
+    return i
+
+
+@kernel
+def drop_faintest(bsdf, brightness):
+    """Make room for a lobe of that brightness; False if all others are brighter."""
+    faintest, least = -1, brightness
+    for i in range(MAX_LOBES):
+        lobe = bsdf.lobes[i]
+        f0 = load3(lobe, "f0")
+        shown = average(load3(lobe, "weight") * Vec3(min(f0.x, ONE), min(f0.y, ONE), min(f0.z, ONE)))
+        if shown < least:
+            faintest, least = i, shown
+    if faintest < 0:
+        return False
+    remove_lobe(bsdf, faintest)
+    return True
+
+
+@kernel
+def remove_lobe(bsdf, row):
+    for i in range(row + 1, bsdf.count):
+        copy_record(bsdf.lobes[i - 1], bsdf.lobes[i])
+    bsdf.count -= 1

@@ -1,0 +1,240 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the place of a hit tells: coordinates, normals, attributes, the object, the ray."""
+
+import numpy as np
+
+from ..jit import kernel
+from ..linalg.frame import frame_from_normal
+from ..linalg.registers import store_float
+from ..linalg.transform import transform_normal, transform_point
+from ..linalg.vec3 import BLACK, Vec3, cross, dot, length, load3, load3_at, reflect
+from ..shape import dispatch as shapes
+from ..tables import CameraKind, TreeKind, Visibility
+from .maths import unit
+from .opcodes import InputNumber, InputVector, Op
+from .operands import give_number, give_vector
+
+ZERO, ONE = np.float32(0.0), np.float32(1.0)
+
+
+def run(scene, op, point, registers):
+    """One step: see `opcodes.SIGNATURES`."""
+    if op.code == Op.INPUT_NUMBER:
+        give_number(op, registers, input_number(scene, point, op.mode))
+    elif op.code == Op.INPUT_VECTOR:
+        give_vector(op, registers, input_vector(scene, point, op.mode, op.shift))
+    else:
+        attribute(scene, op, point, registers)
+
+
+@kernel
+def flag(condition):
+    return ONE if condition else ZERO
+
+
+@kernel
+def input_number(scene, point, mode):
+    if mode == InputNumber.BACKFACING:
+        return flag(point.backfacing != 0)
+    if mode <= InputNumber.OBJECT_ALPHA:
+        return object_number(scene, point, mode)
+    if mode == InputNumber.VIEW_DEPTH:
+        return camera_space(scene, point, load3(point, "p")).z
+    if mode == InputNumber.VIEW_DISTANCE:
+        return length(camera_space(scene, point, load3(point, "p")))
+    return ray_number(point, mode)
+
+
+@kernel
+def object_number(scene, point, mode):
+    if mode == InputNumber.MATERIAL_INDEX:
+        return np.float32(scene.materials[point.material].pass_index)
+    if point.instance < 0:
+        return ZERO
+    instance = scene.instances[point.instance]
+    if mode == InputNumber.RANDOM:
+        return instance.random
+    if mode == InputNumber.OBJECT_INDEX:
+        return np.float32(instance.pass_index)
+    return scene.objects[point.instance].color[3]
+
+
+@kernel
+def ray_number(point, mode):
+    """Blender's Light Path node."""
+    ray = point.visibility
+    if mode == InputNumber.IS_CAMERA:
+        return flag(ray == Visibility.CAMERA.value)
+    if mode == InputNumber.IS_SHADOW:
+        return flag(ray == Visibility.SHADOW.value)
+    if mode == InputNumber.IS_DIFFUSE:
+        return flag(ray == Visibility.DIFFUSE.value)
+    if mode == InputNumber.IS_GLOSSY:
+        return flag(ray == Visibility.GLOSSY.value)
+    if mode == InputNumber.IS_TRANSMISSION:
+        return flag(ray == Visibility.TRANSMISSION.value)
+    if mode == InputNumber.IS_REFLECTION:
+        return flag(ray == Visibility.DIFFUSE.value or ray == Visibility.GLOSSY.value)
+    if mode == InputNumber.IS_VOLUME:
+        return flag(ray == Visibility.SCATTER.value)
+    if mode == InputNumber.RAY_LENGTH:
+        return point.ray_length
+    if mode == InputNumber.RAY_DEPTH:
+        return np.float32(point.bounces)
+    if mode == InputNumber.DIFFUSE_DEPTH:
+        return np.float32(point.diffuse_bounces)
+    if mode == InputNumber.GLOSSY_DEPTH:
+        return np.float32(point.glossy_bounces)
+    if mode == InputNumber.TRANSPARENT_DEPTH:
+        return np.float32(point.transparent_bounces)
+    return np.float32(point.transmission_bounces)
+
+
+@kernel
+def input_vector(scene, point, mode, shift):
+    """In the world, which has no surface, the position is the direction that one looks in."""
+    p = place(point, shift)
+    if mode == InputVector.POSITION:
+        return p
+    if mode == InputVector.UV:
+        return texture_uv(scene, point, p, shift)
+    if mode <= InputVector.INCOMING:
+        return direction(point, mode)
+    if mode == InputVector.CAMERA:
+        return camera_space(scene, point, p)
+    if mode == InputVector.WINDOW:
+        return window(scene, point, p)
+    if mode == InputVector.REFLECTION:
+        return reflect(load3(point, "wo"), load3(point, "ns"))
+    if mode == InputVector.PARAMETRIC:
+        return Vec3(1.0 - point.b1 - point.b2, point.b1, 0.0)
+    if point.instance < 0:
+        return load3(point, "ns") if mode == InputVector.OBJECT_NORMAL else p
+    return object_vector(scene, point, mode, p)
+
+
+@kernel
+def direction(point, mode):
+    if mode == InputVector.NORMAL:
+        return load3(point, "ns")
+    return load3(point, "ng") if mode == InputVector.TRUE_NORMAL else load3(point, "wo")
+
+
+@kernel
+def object_vector(scene, point, mode, p):
+    """What only objects have. `p`: world space."""
+    instance = scene.instances[point.instance]
+    if mode == InputVector.OBJECT_NORMAL:
+        return unit(transform_normal(instance, "to_world", load3(point, "ns")))
+    if mode == InputVector.OBJECT_LOCATION:
+        return transform_point(instance, "to_world", BLACK)
+    if mode == InputVector.OBJECT_COLOR:
+        color = scene.objects[point.instance].color
+        return Vec3(color[0], color[1], color[2])
+    p = transform_point(instance, "to_object", p)
+    if mode == InputVector.OBJECT:
+        return p
+    told = scene.objects[point.instance]
+    p = p * load3(told, "texture_scale") + load3(told, "texture_offset")
+    if mode == InputVector.GENERATED:
+        return p
+    around = transform_normal(instance, "to_object", Vec3(0.5 - p.y, p.x - 0.5, 0.0))  # RADIAL_TANGENT
+    n = load3(point, "ns")
+    return cross(n, unit(cross(around, n)))
+
+
+# ---- A bit further along the surface ---------------------------------------------------------------------------------
+
+
+@kernel
+def place(point, shift):
+    """The point, or for `shift` 1 and 2 its neighbours in two directions, a footprint away."""
+    p = load3(point, "p")
+    if shift == 0:
+        return p
+    s, t = frame_from_normal(load3(point, "ng"))
+    return p + (s if shift == 1 else t) * point.footprint
+
+
+@kernel
+def barycentrics(scene, point, shift):
+    """(b1, b2) of the hit triangle at `place(point, shift)`."""
+    if shift == 0 or point.kind != TreeKind.TRIANGLES:
+        return point.b1, point.b2
+    return barycentrics_at(scene, point.instance, point.prim, place(point, shift))
+
+
+@kernel
+def barycentrics_at(scene, instance, prim, p):
+    """(b1, b2) of the triangle `prim` of the instance at `p`, world space, in or beside it."""
+    triangle = scene.triangles[prim]
+    p0 = load3_at(triangle, "p", 0)
+    u, v = load3_at(triangle, "p", 1) - p0, load3_at(triangle, "p", 2) - p0
+    if triangle.instance < 0:  # its corners are in object space
+        p = transform_point(scene.instances[instance], "to_object", p)
+    w = p - p0
+    uu, uv, vv, uw, vw = dot(u, u), dot(u, v), dot(v, v), dot(u, w), dot(v, w)
+    scale = 1.0 / max(uu * vv - uv * uv, 1e-37)
+    return (uw * vv - vw * uv) * scale, (vw * uu - uw * uv) * scale
+
+
+@kernel
+def texture_uv(scene, point, p, shift):
+    if shift == 0 or point.kind < 0:
+        return Vec3(point.uv[0], point.uv[1], 0.0)
+    if point.kind == TreeKind.SHAPES:
+        shape = scene.shapes[point.prim]
+        if shape.instance < 0:
+            p = transform_point(scene.instances[point.instance], "to_object", p)
+        u, v = shapes.uv(shape, p)
+        return Vec3(u, v, 0.0)
+    b1, b2 = barycentrics(scene, point, shift)
+    b0, uv = 1.0 - b1 - b2, scene.triangles[point.prim].uv
+    u = uv[0, 0] * b0 + uv[1, 0] * b1 + uv[2, 0] * b2
+    return Vec3(u, uv[0, 1] * b0 + uv[1, 1] * b1 + uv[2, 1] * b2, 0.0)
+
+
+@kernel
+def attribute(scene, op, point, registers):
+    """Four floats interpolated over a triangle; zeros where there is no such attribute."""
+    for k in range(4):
+        store_float(registers, op.out + k, ZERO)
+    if point.instance < 0 or point.kind != TreeKind.TRIANGLES:
+        return
+    told = scene.objects[point.instance]
+    if told.attributes < 0:
+        return
+    first = scene.attribute_maps[told.attributes + op.data].first
+    if first < 0:
+        return
+    index = first + point.prim - told.first_prim
+    if index < 0 or index >= scene.world[0].attribute_count:
+        return
+    row = scene.attributes[index]
+    b1, b2 = barycentrics(scene, point, op.shift)
+    b0 = 1.0 - b1 - b2
+    for k in range(4):
+        store_float(registers, op.out + k, row.value[0, k] * b0 + row.value[1, k] * b1 + row.value[2, k] * b2)
+
+
+# ---- The camera ------------------------------------------------------------------------------------------------------
+
+
+@kernel
+def camera_space(scene, point, p):
+    """x to the right, y up, z away from the camera."""
+    camera = scene.camera[0]
+    if point.kind >= 0:
+        p = p - transform_point(camera, "to_world", BLACK)
+    p = transform_normal(camera, "to_world", p)
+    return Vec3(p.x, p.y, -p.z)
+
+
+@kernel
+def window(scene, point, p):
+    """Where a point is in the picture: (0, 0) is the lower left corner, (1, 1) the upper right one."""
+    camera = scene.camera[0]
+    p = camera_space(scene, point, p)
+    scale = 1.0 / p.z if camera.kind == CameraKind.PERSPECTIVE and p.z != 0.0 else ONE
+    left, right, bottom, top = camera.screen[0], camera.screen[1], camera.screen[2], camera.screen[3]
+    return Vec3((p.x * scale - left) / (right - left), (p.y * scale - bottom) / (top - bottom), 0.0)

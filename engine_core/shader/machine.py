@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The machine: runs a program's steps over registers on the stack, and makes of them what was asked for.
+
+Each family of operations, and the machine itself, is an entry point that is called through its address in
+`scene.kernels` (see `link`): so kernels that render constant materials have none of it inside of them.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..jit import kernel
+from ..linalg.records import copy_record, scratch_record
+from ..linalg.registers import call, load_float, load_vector, store_float, store_vector
+from ..linalg.vec3 import BLACK, dot, is_black, load3, store3
+from ..program_tables import CLOSURE, REGISTERS
+from ..shape.interaction import make_interaction
+from ..tables import LightKind, TreeKind
+from .closures import add_closure
+from .inputs import barycentrics_at
+from .maths import unit
+from .point import set_surface, set_world
+
+ZERO = np.float32(0.0)
+TRIANGLES = int(TreeKind.TRIANGLES)  # as a Hit holds it
+MOST_SLANTED = np.float32(0.05)  # least cosine between a bent normal and the viewer
+new_registers, new_closure = scratch_record(REGISTERS), scratch_record(CLOSURE)
+
+
+# ---- Entry points ----------------------------------------------------------------------------------------------------
+
+
+def run_surface(scene, program, point, bsdf):
+    """Lobes and normal of a surface."""
+    registers, closure = new_registers(), new_closure()
+    run_steps(scene, program, point, registers)
+    bsdf.count = 0
+    normal, tangent = BLACK, BLACK
+    for i in range(program.closures, program.closures + program.closure_count):
+        copy_record(closure, scene.closures[i])
+        for j in range(closure.patches, closure.patches + closure.patch_count):
+            patch = scene.patches[j]
+            if patch.width == 3:
+                store_vector(closure, patch.field, load_vector(registers, patch.register))
+            else:
+                store_float(closure, patch.field, load_float(registers, patch.register))
+        if closure.weight > 0.0:
+            add_closure(bsdf, closure)
+            if is_black(normal):
+                normal = load3(closure, "normal")
+            if is_black(tangent):
+                tangent = load3(closure, "tangent")
+    if not is_black(normal):
+        store3(bsdf, "n", seen(point, unit(normal)))
+
+
+def run_value(scene, program, point, unused):
+    """A colour: to `point.result`."""
+    registers = new_registers()
+    run_steps(scene, program, point, registers)
+    store3(point, "result", result(program, registers))
+
+
+def run_light(scene, light, point, unused):
+    """Radiance of a light with a program, to `point.result`. Set are, of the point: p on the light (for the world
+    nothing), wo towards what is lit, and visibility."""
+    registers, wo = new_registers(), load3(point, "wo")
+    program = scene.programs[light.program]
+    if light.kind == LightKind.BACKGROUND:
+        set_world(point, -wo, point.visibility)
+    else:
+        p = load3(point, "p")
+        instance = scene.instances[light.instance]
+        row = scene.objects[light.instance].first_prim + light.prim
+        through = light.instance if instance.root >= 0 else -1
+        b1, b2 = barycentrics_at(scene, light.instance, row, p)
+        hit = SurfaceHit(point.ray_length, TRIANGLES, row, through, b1, b2)
+        it = make_interaction(scene, hit, p + wo * point.ray_length, -wo)
+        set_surface(point, it, hit, wo, point.visibility, ZERO)
+    run_steps(scene, program, point, registers)
+    store3(point, "result", result(program, registers))
+
+
+# ---- Steps -----------------------------------------------------------------------------------------------------------
+
+
+class SurfaceHit(NamedTuple):
+    """As accel's Hit."""
+
+    t: float
+    kind: int
+    prim: int
+    instance: int
+    b1: float
+    b2: float
+
+
+@kernel
+def run_steps(scene, program, point, registers):
+    for i in range(program.ops, program.ops + program.op_count):
+        op = scene.ops[i]
+        call(scene.kernels[op.family].address, scene, op, point, registers)
+
+
+@kernel
+def result(program, registers):
+    return load3(program, "constant") if program.result < 0 else load_vector(registers, program.result)
+
+
+@kernel
+def seen(point, n):
+    """The normal `n`, bent towards the viewer as far as it takes to be seen by him."""
+    wo = load3(point, "wo")
+    if dot(n, load3(point, "ng")) < 0.0:
+        n = -n
+    cosine = dot(n, wo)
+    return n if cosine >= MOST_SLANTED else unit(n + wo * (MOST_SLANTED - cosine))

@@ -1,0 +1,229 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Vectors: Mapping, rotations and spaces, normals that are bumped or mapped, and what depends on the angle of view."""
+
+import math
+
+import numpy as np
+
+from ..jit import kernel
+from ..linalg.frame import frame_from_normal
+from ..linalg.transform import transform_normal, transform_point, transform_vector
+from ..linalg.vec3 import BLACK, Vec3, cross, dot, is_black, load3
+from .maths import divide, unit
+from .opcodes import CLAMPED, INVERTED, Mapping, NormalSpace, Op, Rotation, Space
+from .operands import give_number, give_vector, number, vector
+
+ONE = np.float32(1.0)
+
+
+def run(scene, op, point, registers):
+    """One step: see `opcodes.SIGNATURES`."""
+    code = op.code
+    if code == Op.MAPPING:
+        mapping(op, registers)
+    elif code == Op.TRANSFORM:
+        p, x, y = vector(op, registers, 0), vector(op, registers, 1), vector(op, registers, 2)
+        z, offset = vector(op, registers, 3), vector(op, registers, 4)
+        give_vector(op, registers, Vec3(dot(x, p), dot(y, p), dot(z, p)) + offset)
+    elif code == Op.ROTATE:
+        rotate(op, registers)
+    elif code == Op.CHANGE_SPACE:
+        change_space(scene, op, point, registers)
+    elif code == Op.BUMP:
+        bump(op, point, registers)
+    elif code == Op.NORMAL_MAP:
+        normal_map(scene, op, point, registers)
+    elif code == Op.FRESNEL:
+        ior = max(number(op, registers, 0), 1e-5)
+        give_number(op, registers, fresnel(point, vector(op, registers, 1), 1.0 / ior if point.backfacing else ior))
+    elif code == Op.LAYER_WEIGHT:
+        layer_weight(op, point, registers)
+
+
+# ---- Rotations -------------------------------------------------------------------------------------------------------
+
+
+@kernel
+def rotation_rows(angles):
+    """Rows of the matrix that turns about x, then y, then z."""
+    sx, cx = math.sin(angles.x), math.cos(angles.x)
+    sy, cy = math.sin(angles.y), math.cos(angles.y)
+    sz, cz = math.sin(angles.z), math.cos(angles.z)
+    return (
+        Vec3(cy * cz, sy * sx * cz - cx * sz, sy * cx * cz + sx * sz),
+        Vec3(cy * sz, sy * sx * sz + cx * cz, sy * cx * sz - sx * cz),
+        Vec3(-sy, cy * sx, cy * cx),
+    )
+
+
+@kernel
+def turned(angles, v, back):
+    """`v` turned by angles about x, y and z; or turned back."""
+    x, y, z = rotation_rows(angles)
+    if back:
+        return x * v.x + y * v.y + z * v.z
+    return Vec3(dot(x, v), dot(y, v), dot(z, v))
+
+
+@kernel
+def divided(a, b):
+    return Vec3(divide(a.x, b.x), divide(a.y, b.y), divide(a.z, b.z))
+
+
+@kernel
+def mapping(op, registers):
+    """Blender's Mapping node."""
+    v, location = vector(op, registers, 0), vector(op, registers, 1)
+    rotation, scale = vector(op, registers, 2), vector(op, registers, 3)
+    if op.mode == Mapping.TEXTURE:
+        v = divided(turned(rotation, v - location, True), scale)
+    elif op.mode == Mapping.NORMAL:
+        v = unit(turned(rotation, divided(v, scale), False))
+    else:
+        v = turned(rotation, v * scale, False)
+        if op.mode == Mapping.POINT:
+            v = v + location
+    give_vector(op, registers, v)
+
+
+@kernel
+def around(v, axis, angle):
+    """`v` turned about a unit axis (Rodrigues)."""
+    c, s = math.cos(angle), math.sin(angle)
+    return v * c + cross(axis, v) * s + axis * (dot(axis, v) * (1.0 - c))
+
+
+@kernel
+def rotate(op, registers):
+    """Blender's Vector Rotate; a flag of the mode turns back."""
+    centre, axis, angle = vector(op, registers, 1), vector(op, registers, 2), number(op, registers, 3)
+    v = vector(op, registers, 0) - centre
+    back = (op.mode & CLAMPED) != 0
+    kind = op.mode & ~CLAMPED
+    if kind == Rotation.EULER_XYZ:
+        v = turned(vector(op, registers, 4), v, back)
+    else:
+        if kind == Rotation.X_AXIS:
+            axis = Vec3(1.0, 0.0, 0.0)
+        elif kind == Rotation.Y_AXIS:
+            axis = Vec3(0.0, 1.0, 0.0)
+        elif kind == Rotation.Z_AXIS:
+            axis = Vec3(0.0, 0.0, 1.0)
+        if not is_black(axis):
+            v = around(v, unit(axis), -angle if back else angle)
+    give_vector(op, registers, v + centre)
+
+
+# ---- Spaces ----------------------------------------------------------------------------------------------------------
+
+
+@kernel
+def change_space(scene, op, point, registers):
+    """Blender's Vector Transform. Normals keep to directions, made unit, as in Cycles."""
+    kind, start, end = op.mode // 9, (op.mode // 3) % 3, op.mode % 3
+    v = vector(op, registers, 0)
+    is_point = kind == 0
+    if start == Space.OBJECT and point.instance >= 0:
+        instance = scene.instances[point.instance]
+        v = transform_point(instance, "to_world", v) if is_point else transform_vector(instance, "to_world", v)
+    elif start == Space.CAMERA:
+        v = Vec3(v.x, v.y, -v.z)
+        camera = scene.camera[0]
+        v = transform_point(camera, "to_world", v) if is_point else transform_vector(camera, "to_world", v)
+    if end == Space.OBJECT and point.instance >= 0:
+        instance = scene.instances[point.instance]
+        v = transform_point(instance, "to_object", v) if is_point else transform_vector(instance, "to_object", v)
+    elif end == Space.CAMERA:
+        camera = scene.camera[0]
+        if is_point:
+            v = v - transform_point(camera, "to_world", BLACK)
+        v = transform_normal(camera, "to_world", v)
+        v = Vec3(v.x, v.y, -v.z)
+    give_vector(op, registers, unit(v) if kind == 2 else v)
+
+
+# ---- Normals ---------------------------------------------------------------------------------------------------------
+
+
+@kernel
+def normal_or(point, n):
+    """A normal that is given, or that of the surface where none (zero) is."""
+    return load3(point, "ns") if is_black(n) else n
+
+
+@kernel
+def bump(op, point, registers):
+    """Tilt the normal as if the surface had a height (Mikkelsen 2010), known here and a footprint further."""
+    strength, distance = max(number(op, registers, 0), 0.0), number(op, registers, 1)
+    height = number(op, registers, 2)
+    slope_s, slope_t = number(op, registers, 3) - height, number(op, registers, 4) - height
+    n = normal_or(point, vector(op, registers, 5))
+    if op.mode & INVERTED:
+        distance = -distance
+    if point.backfacing:
+        distance = -distance
+    s, t = frame_from_normal(load3(point, "ng"))
+    ds, dt = s * point.footprint, t * point.footprint
+    rs, rt = cross(dt, n), cross(n, ds)
+    det = dot(ds, rs)
+    gradient = rs * slope_s + rt * slope_t
+    tilted = unit(n * abs(det) - gradient * math.copysign(distance, distance * det))
+    if is_black(tilted):
+        tilted = n
+    give_vector(op, registers, unit(tilted * strength + n * (1.0 - strength)))
+
+
+@kernel
+def normal_map(scene, op, point, registers):
+    """A normal from a colour: 0 to 1 stands for -1 to 1, in the frame of the UV map or in object or world space."""
+    c, strength = vector(op, registers, 0), max(number(op, registers, 1), 0.0)
+    v = c * 2.0 - Vec3(1.0, 1.0, 1.0)
+    n = load3(point, "ns")
+    outside = -n if point.backfacing else n
+    if op.mode == NormalSpace.TANGENT:
+        tangent, sign = vector(op, registers, 2), number(op, registers, 3)
+        if point.instance >= 0:
+            tangent = transform_vector(scene.instances[point.instance], "to_world", tangent)
+        tangent = unit(tangent)
+        if is_black(tangent):
+            tangent, _ = frame_from_normal(outside)
+        mapped = unit(tangent * v.x + cross(outside, tangent) * (sign * v.y) + outside * v.z)
+    elif op.mode == NormalSpace.OBJECT and point.instance >= 0:
+        mapped = unit(transform_normal(scene.instances[point.instance], "to_object", v))
+    else:
+        mapped = unit(v)
+    if point.backfacing:
+        mapped = -mapped
+    mapped = unit(n + (mapped - n) * strength)
+    give_vector(op, registers, n if is_black(mapped) else mapped)
+
+
+# ---- What depends on the angle of view -------------------------------------------------------------------------------
+
+
+@kernel
+def fresnel(point, n, eta):
+    """Reflectance of a smooth dielectric of relative index of refraction `eta`."""
+    c = abs(dot(load3(point, "wo"), normal_or(point, n)))
+    g2 = eta * eta - 1.0 + c * c
+    if g2 <= 0.0:
+        return ONE
+    g = math.sqrt(g2)
+    a = (g - c) / (g + c)
+    b = (c * (g + c) - 1.0) / (c * (g - c) + 1.0)
+    return 0.5 * a * a * (1.0 + b * b)
+
+
+@kernel
+def layer_weight(op, point, registers):
+    """Mode 0: Fresnel, 1: Facing."""
+    blend, n = number(op, registers, 0), vector(op, registers, 1)
+    if op.mode == 0:
+        eta = max(1.0 - blend, 1e-5)
+        give_number(op, registers, fresnel(point, n, eta if point.backfacing else 1.0 / eta))
+        return
+    facing = abs(dot(load3(point, "wo"), normal_or(point, n)))
+    if blend != 0.5:
+        blend = min(max(blend, 0.0), np.float32(1.0 - 1e-5))
+        facing = facing ** (2.0 * blend if blend < 0.5 else 0.5 / (1.0 - blend))
+    give_number(op, registers, 1.0 - facing)
