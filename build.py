@@ -31,6 +31,7 @@ examples:
   python3 build.py bench rays --json rays.json     how fast, one part or all
   python3 build.py compare shot.blend --samples 64 --reference 1024       beside Cycles, with errors
   python3 build.py bench noise --scenes cornell_box,interior              how soon is a picture free of noise?
+  python3 build.py figures                         the pictures and plots of docs/figures.md
   python3 build.py package                         dist/lambent-*.zip, to install in Blender
 
 Each command makes what it needs first: a virtual environment in .venv with Blender 5.2 LTS as a Python module
@@ -254,6 +255,12 @@ def command_compare(arguments, _):
     return subprocess.call([str(python), "-m", "blender_tests.bench.compare", *words], cwd=str(ROOT))
 
 
+def command_figures(arguments, _):
+    python = environment.environment(arguments.blender_version)
+    words = [*arguments.names, "--output", str(Path(arguments.output).resolve()), *["--quick"] * arguments.quick]
+    return subprocess.call([str(python), "-m", "blender_tests.bench.figures", *words], cwd=str(ROOT))
+
+
 def command_package(arguments, _):
     targets = list(extension.PLATFORMS) if "all" in arguments.platform else arguments.platform
     for target in targets or [extension.this_platform()]:
@@ -369,6 +376,12 @@ def parser():
     sub.add_argument("--size", type=size, metavar="WxH", help="in pixels (default: what the file says)")
     sub.add_argument("--frame", type=at_least(-(2**20)), metavar="N", help="(default: the one the file was saved at)")
     sub.add_argument("--seed", type=at_least(0), default=0, metavar="N", help="another seed, another pattern of noise")
+    sub.add_argument("--blender-version", **lts)
+
+    sub = add("figures", command_figures, "make the pictures and plots of docs/figures.md")
+    sub.add_argument("names", nargs="*", metavar="NAME", help="worlds, time, rays (default: all)")
+    sub.add_argument("-o", "--output", metavar="DIR", default=str(ROOT / "docs" / "figures"), help="(docs/figures)")
+    sub.add_argument("--quick", action="store_true", help="small and coarse, to see that it runs")
     sub.add_argument("--blender-version", **lts)
 
     sub = add("package", command_package, "pack the extension for Blender into dist/")

@@ -55,21 +55,23 @@ def set_alike(scene):
 
 
 def render_with(engine, scene, samples, seed=0):
-    """(picture, seconds on the clock) of the open scene."""
-    rendered = render(engine, scene, samples, seed)
+    """(picture, seconds on the clock) of the open scene, with samples as Lambent distributes them."""
+    rendered = render(engine, scene, samples, seed, adaptive=True)
     return rendered.picture, rendered.seconds
 
 
-def render(engine, scene, samples=MOST_SAMPLES, seed=0, time_limit=0.0, progress=None, display=None):
+def render(engine, scene, samples=MOST_SAMPLES, seed=0, time_limit=0.0, progress=None, display=None, adaptive=False):
     """Render the open scene without short cuts, and by samples or by time. Returns Rendered.
 
     `progress(fraction)` is called now and then. `display`: path of a PNG, as the file's colour management shows it.
+    `adaptive`: Lambent may give more samples to some pixels, as many on the whole. Cycles never does: its adaptive
+    sampling only ends pixels early.
     """
     set_up_cycles(scene, samples, seed)
     scene.render.engine = engine
     ours = scene.lambent
     ours.samples, ours.seed, ours.clamp_direct, ours.clamp_indirect = samples, seed, 0.0, 0.0
-    ours.use_animated_seed = False
+    ours.use_animated_seed, ours.use_adaptive, ours.noise_target = False, adaptive, 0.0
     scene.cycles.time_limit = ours.time_limit = time_limit
     with tempfile.TemporaryDirectory() as folder, told(progress, samples, time_limit) as seen:
         path = Path(folder, "picture.exr")

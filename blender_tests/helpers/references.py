@@ -29,26 +29,28 @@ class Reference(NamedTuple):
     mean_error: float  # one standard deviation of that
 
 
-def reference(engine, scene, source, samples, progress=None):
+def reference(engine, scene, source, samples, progress=None, draw=None, key=()):
     """The mean of pictures by independent seeds with `samples` together. `source`: what names the open scene.
 
-    `progress(fraction)` is called now and then.
+    `progress(fraction)` is called now and then. `draw(samples, seed, progress)` renders a picture where `engine` is
+    none of Blender's, and `key` is what that depends on besides.
     """
     part = min(PART, -(-samples // 4))
     count = -(-samples // part)
-    name, parts = digest(engine, scene, source), []
+    draw = draw or (lambda *effort: render(engine, scene, effort[0], effort[1], progress=effort[2]).picture)
+    name, parts = digest(engine, scene, source, key), []
     for number in range(count):
         kept = references_folder() / f"{name}-{part}-{number}.npy"
         if not kept.exists():
             tell = progress and (lambda fraction, number=number: progress((number + fraction) / count))
-            save(kept, render(engine, scene, part, 977 + number, progress=tell).picture[..., :3])
+            save(kept, draw(part, 977 + number, tell)[..., :3])
         parts.append(np.load(kept))
     means = np.array([picture.mean(dtype=np.float64) for picture in parts])
     error = means.std(ddof=1) / np.sqrt(count) if count > 1 else np.inf
     return Reference(np.mean(parts, axis=0), part * count, float(means.mean()), float(error))
 
 
-def digest(engine, scene, source):
+def digest(engine, scene, source, key=()):
     """Names a picture by all that decides it: files, settings, the engine's sources."""
     parts = [engine, bpy.app.version_string, scene.frame_current, scene.render.resolution_x, scene.render.resolution_y]
     parts += [scene.render.resolution_percentage, scene.render.film_transparent]
@@ -62,6 +64,7 @@ def digest(engine, scene, source):
     if engine == "LAMBENT":
         parts += [source_digest(), scene.lambent.integrator]
         parts += [path.read_bytes() for path in sorted(Path(addon.__file__).parent.glob("export/*.py"))]
+    parts += key
     return hashlib.sha256(repr(parts).encode()).hexdigest()[:32]
 
 

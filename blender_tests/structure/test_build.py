@@ -23,7 +23,7 @@ def test_it_tells_what_it_can_do():
     result = build()
 
     assert result.returncode == 0
-    for command in ("setup", "render", "compare", "test", "bench", "package", "check"):
+    for command in ("setup", "render", "compare", "test", "bench", "figures", "package", "check"):
         assert re.search(rf"^    {command} +\w", result.stdout, re.MULTILINE)
     assert "python3 build.py render scenes_blend/cornell_box.blend" in result.stdout
 
