@@ -47,11 +47,16 @@ CASES = {
 }
 
 
-@pytest.fixture(scope="module")
-def cycles():
+def values_of_cycles():
+    """({name: f |cos|, (directions, views, 3)}, wo, wi); see `cycles_values`."""
     closures = [node(kind, settings, Color=(*COLOR, 1), **sockets) for kind, settings, sockets, _, _ in CASES.values()]
     f, wo, wi = cycles_values(closures, COSINES, DIRECTIONS)
     return dict(zip(CASES, np.moveaxis(f, 1, 0), strict=True)), wo, wi
+
+
+@pytest.fixture(scope="module")
+def cycles():
+    return values_of_cycles()
 
 
 @pytest.mark.parametrize("name", CASES)
