@@ -323,7 +323,7 @@ def parser():
     sub.add_argument("--samples", type=at_least(1), metavar="N", help="per pixel (default: what the file says)")
     sub.add_argument("--size", type=size, metavar="WxH", help="in pixels (default: what the file says)")
     sub.add_argument("--frame", type=at_least(-(2**20)), metavar="N", help="(default: the one the file was saved at)")
-    sub.add_argument("--integrator", metavar="NAME", help="path or brute-force (default: what the file says)")
+    sub.add_argument("--integrator", metavar="NAME", help="path, mixture or brute-force (default: what the file says)")
     sub.add_argument(
         "--engine", type=str.upper, choices=["LAMBENT", "CYCLES"], default="LAMBENT", help="LAMBENT or CYCLES"
     )

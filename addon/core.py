@@ -35,4 +35,5 @@ status = _import("integrator.status")
 Scene, Visibility = (getattr(_import("tables"), name) for name in ("Scene", "Visibility"))
 SceneBuilder = _import("scene.builder").SceneBuilder
 SceneError = _import("scene.checks").SceneError
+Aim = _import("scene.targets").Aim
 Render = _import("integrator.tiles").Render

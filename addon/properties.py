@@ -11,6 +11,12 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, Po
 # Identifiers and numbers are those of engine_core.settings, which is not imported before a render starts.
 INTEGRATORS = (
     ("BRUTE_FORCE", "Brute Force", "Scatter by the material alone and find lights by luck: slow, but plain to see", 0),
+    (
+        "MIXTURE",
+        "Mixture PDF",
+        "Half of the directions by the material, half towards lights and the objects chosen in their properties",
+        1,
+    ),
     ("PATH", "Path", "Sample lights and materials at each bounce, weighted against each other", 2),
 )
 SAMPLERS = (
@@ -27,6 +33,11 @@ SHAPES = (
     ("SPHERE", "Sphere", "The sphere, or ellipsoid, that fills the mesh's bounding box", 1),
     ("BOX", "Box", "The mesh's bounding box", 2),
     ("QUAD", "Quad", "The rectangle that the mesh's bounding box is without its thinnest side", 3),
+)
+AIMS = (
+    ("AUTOMATIC", "Automatic", "If it is a light, or emits", 0),
+    ("ALWAYS", "Always", "Whatever it is: glass that gathers light, a mirror, a window", 1),
+    ("NEVER", "Never", "Rays find it by scattering alone", 2),
 )
 MAX_BOUNCES = 1024
 
@@ -152,6 +163,14 @@ class LambentObjectSettings(bpy.types.PropertyGroup):
         update=tag_object,
         description="Replace the mesh by a perfect shape of the same size: round at any distance, less to compute, "
         "and with less noise where it emits",
+    )
+    aim: EnumProperty(
+        name="Sample This Object",
+        items=AIMS,
+        default="AUTOMATIC",
+        update=tag_object,
+        description="Whether the integrator Mixture PDF sends more rays at this object. The picture stays the same; "
+        "only its noise changes",
     )
 
 

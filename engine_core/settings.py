@@ -12,6 +12,7 @@ UNIFORM_SAMPLES = 16  # what each pixel gets before adaptive sampling begins
 
 class IntegratorKind(IntEnum):
     BRUTE_FORCE = 0  # scatters by the material alone; finds lights by luck
+    MIXTURE = 1  # one direction a bounce, by the material or towards chosen targets; finds lights by running into them
     PATH = 2  # light sampling and scattering, weighted by MIS
 
 

@@ -32,6 +32,7 @@ class TreeKind(IntEnum):
     TRIANGLES = 0  # packets of eight triangles
     SHAPES = 1  # analytic shapes, rows of SHAPE
     INSTANCES = 2  # rows of INSTANCE, each with a tree of its own
+    TARGETS = 3  # rows of TARGET
 
 
 class ShapeKind(IntEnum):
@@ -238,6 +239,14 @@ LIGHT = np.dtype(
         ("leaf", "i4"),  # row of LIGHT_NODE * LIGHT_WIDTH + child; -1: outside of the tree, or never selected
         ("share", "f4"),  # probability within its leaf: 1, or less if that holds a pair of rows; 0: never selected
         ("irradiance", "f4"),  # outside of the tree: W/m2 across the light's direction, the mean of colours
+        ("aimed_at", "i4"),  # 1: the mixture integrator sends rays at it, unless it is a delta
+    ]
+)
+TARGET = np.dtype(
+    [  # what the mixture integrator aims at. What does not shine has a row of LIGHT, too, behind those that do
+        ("light", "i4"),  # row of LIGHT
+        ("pmf", "f4"),  # probability to be aimed at
+        ("cdf", "f4"),  # sum of pmf up to and including this one, from the first of its kind (see WORLD)
     ]
 )
 LIGHT_WIDTH = 8
@@ -280,6 +289,10 @@ WORLD = np.dtype(
         ("shape_root", "i4"),
         ("instance_root", "i4"),  # ... and the tree over all other instances
         ("lamp_root", "i4"),  # shapes of lamps: seen by rays, in nobody's way
+        ("target_root", "i4"),  # targets that stand somewhere
+        ("target_count", "i4"),  # rows of TARGET: those of the tree, then from far_targets on suns and the world;
+        ("far_targets", "i4"),
+        ("delta_count", "i4"),  # ... and behind them lights that no ray hits by chance
         ("background", "f4", (3,)),  # radiance; of a world with a program, the mean
         ("background_program", "i4"),  # row of PROGRAM; 0: constant
         ("map_width", "i4"),  # cells of the map that the world is sampled by; 0: from all sides alike
@@ -289,7 +302,7 @@ WORLD = np.dtype(
         ("background_visibility", "i4"),
         ("suns", "i4"),  # row of LIGHT of the first sun; suns stand together
         ("sun_count", "i4"),
-        ("light_count", "i4"),
+        ("light_count", "i4"),  # that shine; see TARGET
         ("far_count", "i4"),  # the first lights stand outside of the tree: suns, then beams (QUAD, DISK with spread 0)
         ("light_root", "i4"),  # row of LIGHT_NODE
         ("only_light", "i4"),  # row of LIGHT, the first of its leaf, if there is but one to select
@@ -325,6 +338,7 @@ class Scene(Tables):
     lights = LIGHT
     light_nodes = LIGHT_NODE
     world_map = CELL
+    targets = TARGET
     camera = CAMERA
     world = WORLD
 

@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..core import Visibility
-from .light import export_light
+from ..core import Aim, Visibility
+from .light import aim_of, export_light
 from .material import export_materials
 from .mesh import first_slot, mesh_arrays, point_arrays, without_broken_triangles
 from .shape import read_shape
@@ -39,6 +39,7 @@ class Source(NamedTuple):
     name: str
     visibility: Visibility
     pass_index: int
+    aim: Aim
 
 
 def export_instances(context):
@@ -83,13 +84,14 @@ def export_instances(context):
             source.pass_index,
             _random(b_instance, source.name),
             b_object.color,
+            source.aim,
         )
 
 
 def _source(context, b_object, geometries):
     geometry = _geometry(context, b_object, geometries)
     if geometry is None:
-        return Source(None, (), b_object.name, Visibility.ALL, 0)
+        return Source(None, (), b_object.name, Visibility.ALL, 0, Aim.AUTOMATIC)
     materials = export_materials(context, b_object)
     if type(b_object.data).__name__ != "Mesh" or _shape(b_object) != "MESH":
         materials = (materials[min(first_slot(b_object.data), len(materials) - 1)],)
@@ -99,7 +101,8 @@ def _source(context, b_object, geometries):
     ):
         if flag:
             context.warn(b_object.name, text)
-    return Source(geometry, materials, b_object.name, _visibility(context, b_object), b_object.pass_index)
+    visibility = _visibility(context, b_object)
+    return Source(geometry, materials, b_object.name, visibility, b_object.pass_index, aim_of(b_object))
 
 
 def _geometry(context, b_object, geometries):

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How much work goes into a picture, and when it is enough."""
+"""How light is followed, how much work goes into a picture, and when it is enough."""
 
 import bpy
 
 from .copy_from_cycles import CopyFromCycles
 from .panel import LambentPanel
+from .visibility import SEEN_TYPES
 
 
 class SamplingPanel(LambentPanel, bpy.types.Panel):
@@ -28,4 +29,19 @@ class SamplingPanel(LambentPanel, bpy.types.Panel):
             column.operator(CopyFromCycles.bl_idname)
 
 
-CLASSES = (SamplingPanel,)
+class ObjectSamplingPanel(LambentPanel, bpy.types.Panel):
+    bl_idname = "LAMBENT_OBJECT_PT_sampling"
+    bl_label = "Sampling"
+    bl_context = "object"
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and context.object and context.object.type in SEEN_TYPES
+
+    def draw(self, context):
+        column = self.column()
+        column.active = context.scene.lambent.integrator == "MIXTURE"  # the only one that it makes a difference to
+        column.prop(context.object.lambent, "aim")
+
+
+CLASSES = (SamplingPanel, ObjectSamplingPanel)

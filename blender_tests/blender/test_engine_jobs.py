@@ -288,7 +288,7 @@ def test_nobody_waits_for_kernels_that_are_not_wanted_any_more(registered):
     assert results == [False]
 
 
-@pytest.mark.parametrize("integrator", ["PATH", "BRUTE_FORCE"])
+@pytest.mark.parametrize("integrator", ["PATH", "MIXTURE", "BRUTE_FORCE"])
 def test_preparing_compiles_all_that_a_render_needs(scene, tmp_path, integrator):
     """No kernel is compiled a second time, for other types of arguments."""
     from addon import compile_cache

@@ -96,6 +96,42 @@ def sample(bsdf, wo, u_lobe, u0, u1):
 
 
 @kernel
+def spread(bsdf):
+    """Probability that `sample` chooses a lobe that is no delta."""
+    total = ZERO
+    for i in range(bsdf.count):
+        if not is_delta(bsdf.lobes[i]):
+            total += bsdf.lobes[i].pmf
+    return total
+
+
+@kernel
+def kind_of_lobe(bsdf, wo, wi, u):
+    """Kind of a lobe that scatters to wi: of several one by chance, as often as it is the one that chooses wi."""
+    if bsdf.count == 1:
+        return bsdf.lobes[0].kind
+    wo_local, wi_local = to_local(bsdf, wo), to_local(bsdf, wi)
+    _, total = _sum_lobes(bsdf, wo_local, wi_local, -1)
+    rest, kind = u * total, bsdf.lobes[0].kind
+    for i in range(bsdf.count):
+        lobe = bsdf.lobes[i]
+        if lobe.pmf > 0.0:
+            share = lobe.pmf * lobe_evaluate_and_pdf(lobe, wo_local, wi_local).pdf
+            if share > 0.0:
+                kind = lobe.kind
+                if rest < share:
+                    break
+            rest -= share
+    return kind
+
+
+@kernel
+def is_behind(bsdf, wi):
+    """Whether wi is on the other side of the face than wo."""
+    return dot(load3(bsdf, "ng"), wi) < 0.0
+
+
+@kernel
 def albedo(bsdf, wo):
     """Share of light from everywhere that leaves towards wo, by colour; see the models for how exact."""
     wo_local = to_local(bsdf, wo)
@@ -296,3 +332,14 @@ def lobe_albedo(lobe, wo):
     if lobe.kind == LobeKind.VELVET:
         return velvet.albedo(lobe, wo)
     return BLACK
+
+
+@kernel
+def is_delta(lobe):
+    """Whether it scatters in single directions only."""
+    kind = lobe.kind
+    if kind == LobeKind.DIELECTRIC or kind == LobeKind.REFRACTION:
+        return passes_straight(lobe)
+    if kind == LobeKind.CONDUCTOR or kind == LobeKind.COATING:
+        return is_smooth(lobe)
+    return kind == LobeKind.TRANSPARENT

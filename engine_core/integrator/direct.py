@@ -17,8 +17,9 @@ from ..shader.evaluate import light_radiance, run_program
 from ..shader.point import new_point, set_surface, set_world
 from ..shape.interaction import make_interaction
 from ..tables import MaterialFlag, Visibility
+from .targets import choose
 
-FAR, ONE = np.float32(np.inf), np.float32(1.0)
+FAR, ZERO, ONE = np.float32(np.inf), np.float32(0.0), np.float32(1.0)
 ALMOST_ONE = np.float32(1.0 - 1e-4)  # shadow rays stop short: a lamp may lie in the surface of a ceiling
 
 
@@ -37,6 +38,20 @@ def sample_direct(scene, settings, it, bsdf, wo, visibility, both_sides, u_selec
     row, pmf_light, _ = select(scene, it.p, it.ns, both_sides, u_select)
     if pmf_light <= 0.0:
         return BLACK
+    return light_of(scene, settings, it, bsdf, wo, visibility, row, pmf_light, u0, u1)
+
+
+@kernel
+def sample_delta(scene, settings, it, bsdf, wo, visibility, u_select):
+    """As `sample_direct`, of those lights alone that no ray hits by chance: for integrators that rely on chance."""
+    world = scene.world[0]
+    chosen = scene.targets[choose(scene, world.target_count, world.delta_count, u_select)]
+    return light_of(scene, settings, it, bsdf, wo, visibility, chosen.light, chosen.pmf, ZERO, ZERO)
+
+
+@kernel
+def light_of(scene, settings, it, bsdf, wo, visibility, row, pmf_light, u0, u1):
+    """Light from the row of LIGHT, which was chosen with the probability `pmf_light`."""
     light = scene.lights[row]
     s = light_dispatch.sample(scene, light, it.p, u0, u1)
     if s.pdf <= 0.0 or (is_black(s.radiance) and light.program == 0):

@@ -15,7 +15,7 @@ from ..linalg.transform import transform_point, transform_vector
 from ..linalg.vec3 import BLACK, Vec3, dot, load3, store3
 from ..sampling.sobol import make_sampler, make_sequence, sample_2d
 from ..settings import IntegratorKind
-from . import path, uniform
+from . import mixture, path, uniform
 from .path import trace
 
 NO_DEPTH = np.float32(1e10)  # what Blender's depth pass says where nothing was hit
@@ -84,5 +84,6 @@ def render_tile(scene, settings, film, x0, y0, width, height, most):
 
 RENDER_TILE = {
     IntegratorKind.BRUTE_FORCE: kernel(variant(render_tile, "by_brute_force", trace=uniform.trace)),
+    IntegratorKind.MIXTURE: kernel(variant(render_tile, "by_mixture", trace=mixture.trace)),
     IntegratorKind.PATH: kernel(variant(render_tile, "by_path", trace=path.trace)),
 }

@@ -8,12 +8,14 @@ of the file.
 from ..bsdf import dispatch as bsdf_dispatch
 from ..jit import kernel
 from ..sampling.sobol import sample_2d
+from .direct import sample_delta
 from .walk import (
     ZERO,
     advance,
     arrive,
     dimension_of,
     follow,
+    gather_direct,
     is_last,
     make_bsdf,
     new_bsdf,
@@ -41,9 +43,13 @@ def trace(scene, settings, sampler, o, d, t_max):
         # ---- How does this place scatter? ------------------------------------------------------------------------
         wo = make_bsdf(scene, settings, walk, it, bsdf)
         dimension = dimension_of(walk)
+        u_delta, u_lobe = sample_2d(sampler, dimension)
+
+        # ---- Light that no ray runs into -------------------------------------------------------------------------
+        if walk.ends_here == 0 and scene.world[0].delta_count > 0:
+            gather_direct(settings, walk, sample_delta(scene, settings, it, bsdf, wo, walk.visibility, u_delta))
 
         # ---- Choose where to go ----------------------------------------------------------------------------------
-        _, u_lobe = sample_2d(sampler, dimension)
         u0, u1 = sample_2d(sampler, dimension + 2)
         s = bsdf_dispatch.sample(bsdf, wo, u_lobe, u0, u1)
         if not follow(settings, walk, it, s, ZERO):

@@ -78,7 +78,7 @@ def clusters(lights, is_pair):
     follows = np.append(False, is_pair[:-1])
     rows = np.flatnonzero((intensity(lights) > 0.0) & ~is_far(lights) & ~follows)
     both = rows + is_pair[rows]
-    low, high = _boxes(lights)
+    low, high = boxes(lights)
     low, high = np.minimum(low[rows], low[both]), np.maximum(high[rows], high[both])
     centre, half = (low + high) / 2.0, (high - low) / 2.0
     result = np.zeros(len(rows), CLUSTER)
@@ -100,6 +100,21 @@ def clusters(lights, is_pair):
     return result
 
 
+def boxes(lights):
+    """Low and high corners, (n, 3)."""
+    kind = lights["kind"][:, None]
+    p, u, v = (lights[name].astype(np.float64) for name in ("p", "u", "v"))
+    corners = _corners(lights)
+    is_triangle = kind == LightKind.TRIANGLE
+    radius = np.where(lights["is_delta"] != 0, 0.0, lights["radius"]).astype(np.float64)[:, None]
+    flat = np.abs(u) + np.abs(v)
+    kinds = {LightKind.QUAD: flat, LightKind.DISK: np.hypot(u, v), LightKind.BOX: flat + radius * np.abs(lights["n"])}
+    half = np.select([kind == k for k in kinds], list(kinds.values()), radius)
+    low = np.where(is_triangle, corners.min(axis=1), p - half)
+    high = np.where(is_triangle, corners.max(axis=1), p + half)
+    return low, high
+
+
 def _emission(lights):
     return lights["emission"].astype(np.float64).mean(axis=-1)
 
@@ -115,21 +130,6 @@ def _corners(lights):
     """Of triangles: (n, 3 corners, 3)."""
     p, u, v = (lights[name].astype(np.float64) for name in ("p", "u", "v"))
     return np.stack([p, p + u, p + v], axis=1)
-
-
-def _boxes(lights):
-    """Low and high corners, (n, 3)."""
-    kind = lights["kind"][:, None]
-    p, u, v = (lights[name].astype(np.float64) for name in ("p", "u", "v"))
-    corners = _corners(lights)
-    is_triangle = kind == LightKind.TRIANGLE
-    radius = np.where(lights["is_delta"] != 0, 0.0, lights["radius"]).astype(np.float64)[:, None]
-    flat = np.abs(u) + np.abs(v)
-    kinds = {LightKind.QUAD: flat, LightKind.DISK: np.hypot(u, v), LightKind.BOX: flat + radius * np.abs(lights["n"])}
-    half = np.select([kind == k for k in kinds], list(kinds.values()), radius)
-    low = np.where(is_triangle, corners.min(axis=1), p - half)
-    high = np.where(is_triangle, corners.max(axis=1), p + half)
-    return low, high
 
 
 def _cones(lights):

@@ -22,6 +22,7 @@ from ..tables import (
     PACKET,
     SHAPE,
     SLOT,
+    TARGET,
     TRIANGLE,
     WORLD,
     LightKind,
@@ -30,8 +31,9 @@ from ..tables import (
     TreeKind,
     Visibility,
 )
-from . import checks, shapes
+from . import checks, shapes, targets
 from .shading import Shading, bake_lights, bake_world
+from .targets import Aim
 from .triangles import fill_triangles, triangle_lights
 
 NOTHING = np.zeros((0, 0, 0), np.float32)
@@ -62,7 +64,7 @@ class _Assembly:
         shading.world(world, self.builder.world_radiance)
         attributes, self.attribute_rows = shading.attributes(self.builder.geometries)
         world["attribute_count"] = len(attributes["attributes"])
-        for field in ("triangle_root", "shape_root", "instance_root", "lamp_root", "background_light"):
+        for field in ("triangle_root", "shape_root", "instance_root", "lamp_root", "target_root", "background_light"):
             world[field] = -1
         self._place(materials, world)
         self.progress(0.9, "Lights")
@@ -83,6 +85,7 @@ class _Assembly:
             lights=lights,
             light_nodes=np.zeros(0, LIGHT_NODE),
             world_map=np.zeros(0, CELL),
+            targets=np.zeros(0, TARGET),
             camera=self.builder.camera_row,
             world=world,
             **attributes,
@@ -99,6 +102,7 @@ class _Assembly:
             tables["world_map"] = bake_world(scene, max(scene.images["width"], default=0))
             scene.lights["emission"][world["background_light"][0]] = world["background"][0]
         tables["light_nodes"] = prepare_selection(scene.lights, world)
+        tables["lights"], tables["targets"], tables["nodes"] = self._targets(scene.lights, world, scene.nodes)
         return Scene(**{name: np.asarray(table) for name, table in tables.items()})
 
     # ---- Geometry ----
@@ -340,18 +344,33 @@ class _Assembly:
                 return None
             rows = shapes.lights(shapes.moved(geometry.rows[geometry.emitters], matrix))
         else:
-            rows = triangle_lights(geometry, matrix)
+            rows = triangle_lights(geometry, geometry.emitters, matrix)
         slots = _primitive_slots(geometry)
         first = self.instances[number]["slots"]
         slots = np.zeros(len(rows), np.int32) if slots is None else slots[geometry.emitters]
         material = materials[np.array(self.slots)[first + slots]]
         rows["visibility"], rows["instance"], rows["prim"] = placement.visibility, number, geometry.emitters
         rows["emission"], rows["program"] = material["emission"], material["emission_program"]
+        shines = rows["emission"].any(axis=1) | (rows["program"] > 0)
+        rows["aimed_at"] = shines if placement.aim == Aim.AUTOMATIC else placement.aim == Aim.ALWAYS
         rows["two_sided"] = (material["flags"] & MaterialFlag.ONE_SIDED) == 0
         return rows
 
     def _emits_by_program(self, number, materials):
         return materials["emission_program"][self.slots[self.instances[number]["slots"]]] > 0
+
+    def _targets(self, lights, world, nodes):
+        """Lights, TARGET, NODE: behind the lights what is aimed at and does not shine; all that is aimed at; its tree
+        behind all others."""
+        geometries = [self.builder.geometries[placement.geometry] for placement in self.placements]
+        dark = targets.dark_lights(self.placements, geometries, self.instances["lights"])
+        lights = _concatenate([lights, *dark], LIGHT)
+        rows, tree = targets.make(lights, world)
+        if len(tree):
+            accel.rebase(tree, len(nodes), 0)
+            world["target_root"] = len(nodes)
+            nodes = _concatenate([nodes, tree], NODE)
+        return lights, rows, nodes
 
     def _bounds(self, world):
         """A ball around everything that a ray can hit."""

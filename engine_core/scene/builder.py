@@ -22,6 +22,7 @@ from ..shader.graph import is_constant
 from ..tables import CameraKind, LightKind, Visibility
 from . import assemble, checks, lamps, shapes
 from .materials import WHITE, Diffuse, Surface, flatten
+from .targets import Aim
 
 IDENTITY = np.eye(4)
 
@@ -54,6 +55,7 @@ class Placement:
     pass_index: int
     random: float
     color: tuple
+    aim: Aim
 
 
 @dataclass
@@ -146,10 +148,12 @@ class SceneBuilder:
         pass_index=0,
         random=0.0,
         color=(1.0, 1.0, 1.0, 1.0),
+        aim=Aim.AUTOMATIC,
     ):
         """Let a geometry stand in the world; any number of times.
 
         `materials` has a number for each material slot; a slot beyond the last uses the last, as in Blender.
+        `aim`: whether the mixture integrator sends rays at it.
         """
         if not 0 <= geometry < len(self.geometries):
             raise checks.SceneError(f"{name}: there is no geometry {geometry}")
@@ -159,25 +163,35 @@ class SceneBuilder:
             raise checks.SceneError(f"{name}: material numbers {materials}, there are {len(self.materials)}")
         self.placements.append(
             Placement(
-                geometry, to_world, materials, name, int(visibility), int(pass_index), float(random), tuple(color)
+                geometry,
+                to_world,
+                materials,
+                name,
+                int(visibility),
+                int(pass_index),
+                float(random),
+                tuple(color),
+                Aim(aim),
             )
         )
 
     # ---- Light ----
 
-    def point_light(self, name, position, power, radius=0.0, soft=True, visibility=Visibility.ALL):
+    def point_light(self, name, position, power, radius=0.0, soft=True, visibility=Visibility.ALL, aim=Aim.AUTOMATIC):
         """A lamp that shines all around. `power` (3,) W; `soft`: a disk that faces whoever looks, else a sphere."""
         to_world = np.eye(4)
         to_world[:3, 3] = position
-        self._add_lamp(lamps.point(name, to_world, power, radius, soft, visibility))
+        self._add_lamp(lamps.point(name, to_world, power, radius, soft, visibility), aim)
 
-    def spot_light(self, name, to_world, power, radius, angle, blend, soft=True, visibility=Visibility.ALL):
+    def spot_light(
+        self, name, to_world, power, radius, angle, blend, soft=True, visibility=Visibility.ALL, aim=Aim.AUTOMATIC
+    ):
         """A point light in a cone of full `angle` about -z; `blend` 0 to 1 softens its edge."""
-        self._add_lamp(lamps.spot(name, to_world, power, radius, angle, blend, soft, visibility))
+        self._add_lamp(lamps.spot(name, to_world, power, radius, angle, blend, soft, visibility), aim)
 
-    def sun_light(self, name, direction, irradiance, angle=0.0, visibility=Visibility.ALL):
+    def sun_light(self, name, direction, irradiance, angle=0.0, visibility=Visibility.ALL, aim=Aim.AUTOMATIC):
         """Light that travels along `direction`, from a disk of full `angle`; `irradiance` (3,) W / m2 facing it."""
-        self._add_lamp(lamps.sun(name, direction, irradiance, angle, visibility))
+        self._add_lamp(lamps.sun(name, direction, irradiance, angle, visibility), aim)
 
     def area_light(
         self,
@@ -189,14 +203,16 @@ class SceneBuilder:
         shape="RECTANGLE",
         spread=math.pi,
         visibility=Visibility.ALL,
+        aim=Aim.AUTOMATIC,
     ):
         """A rectangle or an ellipse in the xy plane that shines along -z. `power` (3,) W; `spread`: full angle."""
-        self._add_lamp(lamps.area(name, to_world, power, size_x, size_y, shape, spread, visibility))
+        self._add_lamp(lamps.area(name, to_world, power, size_x, size_y, shape, spread, visibility), aim)
 
-    def _add_lamp(self, lamp):
+    def _add_lamp(self, lamp, aim):
         light, shape = lamp
         if light is None:
             return
+        light["aimed_at"] = aim != Aim.NEVER
         if shape is not None:
             shape["light"] = len(self.lights)
             self.lamp_shapes.append(shape)

@@ -85,6 +85,7 @@ def check_tables(name, tables):
     world, instances = tables["world"][0], tables["instances"]
     kinds = _tree_kinds(name, tables)
     leaf_tables = {TreeKind.TRIANGLES: "packets", TreeKind.SHAPES: "shapes", TreeKind.INSTANCES: "instances"}
+    leaf_tables[TreeKind.TARGETS] = "targets"
     for kind, table in leaf_tables.items():
         leaves = kinds["leaves"][kind]
         within("leaves", ~leaves, table, none_allowed=False)
@@ -114,6 +115,13 @@ def check_tables(name, tables):
     ):
         within(what, world[field], table)
     _check_light_tree(name, tables, within)
+    within("targets", tables["targets"]["light"], "lights", none_allowed=False)
+    if not (
+        0 <= world["far_targets"] <= world["target_count"]
+        and world["delta_count"] >= 0
+        and world["target_count"] + world["delta_count"] <= len(tables["targets"])
+    ):
+        raise SceneError(f"{name}: targets of the world lead outside of the table targets")
     for fault in verify.faults(tables):
         raise SceneError(f"{name}: {fault}")
 
@@ -149,6 +157,7 @@ def _tree_kinds(name, tables):
             *instances["root"][instances["kind"] == TreeKind.SHAPES],
         ],
         TreeKind.INSTANCES: [world["instance_root"]],
+        TreeKind.TARGETS: [world["target_root"]],
     }
     if not np.isin(instances["kind"], (TreeKind.TRIANGLES, TreeKind.SHAPES)).all():
         raise SceneError(f"{name}: an instance has a tree of an unknown kind")

@@ -7,12 +7,16 @@ from ..jit import builder_kernel
 from ..tables import LIGHT, LightKind
 
 
-def triangle_lights(geometry, matrix):
-    """Rows of LIGHT for the emissive triangles of a mesh, moved by `matrix`; what they emit is left to the caller."""
-    rows = np.zeros(len(geometry.emitters), LIGHT)
-    p = geometry.positions[geometry.triangles[geometry.emitters]] @ matrix[:, :3].T + matrix[:, 3]
+def triangle_lights(mesh, numbers, matrix):
+    """Rows of LIGHT for triangles of a mesh, by number, as `matrix` (3, 4) moves them; what they emit is left out."""
+    return from_corners(mesh.positions[mesh.triangles[numbers]] @ matrix[:, :3].T + matrix[:, 3], matrix)
+
+
+def from_corners(p, matrix):
+    """Rows of LIGHT for triangles with the corners `p`, (n, 3, 3), that `matrix` has moved there."""
     if np.linalg.det(matrix[:, :3]) < 0.0:
         p = p[:, [0, 2, 1]]
+    rows = np.zeros(len(p), LIGHT)
     u, v = p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]
     normal = np.cross(u, v)
     length = np.linalg.norm(normal, axis=1)
