@@ -17,7 +17,10 @@ from pathlib import Path
 
 import numpy as np
 
-from engine_core.tables import FresnelKind, LightKind, LobeKind
+from engine_core.scene.materials import lower
+from engine_core.shader.graph import Node, Part, is_constant
+from engine_core.shader.opcodes import Op
+from engine_core.tables import FresnelKind, LightKind, LobeKind, Visibility
 
 FAR = 1e4  # metres to a disk that stands for the sun
 LIBRARIES = ("/usr/lib/*/libLLVM*19*", "/usr/lib/llvm-19/lib/libLLVM*", "/usr/lib64/libLLVM*19*")
@@ -83,8 +86,7 @@ def scene_dict(mitsuba, builder, size, max_bounces, folder):
         add(scene, builder, placement, geometry, folder / f"{number}", f"shape{number}")
     for number, light in enumerate(builder.lights):
         scene[f"light{number}"] = lamp(mitsuba, light)
-    if np.any(builder.world_radiance):
-        scene["world"] = {"type": "constant", "radiance": rgb(builder.world_radiance)}
+    scene |= world(mitsuba, builder.world_radiance)
     return scene
 
 
@@ -119,7 +121,9 @@ def camera(mitsuba, row, size):
 
 def surface(material):
     """The BSDF of a material: of one lobe, or of two that are mixed."""
-    lobes = [lobe for lobe in material.lobes if np.any(lobe["weight"])]
+    if any(varying for _, varying in material.surface.closures):
+        raise NotExpressibleError(f"{material.name}: a value that varies")
+    lobes = [lobe for lobe in lower([row for row, _ in material.surface.closures])[0] if np.any(lobe["weight"])]
     if not lobes:
         return {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": rgb((0, 0, 0))}}
     if len(lobes) > 2:
@@ -162,11 +166,31 @@ def scatter(name, lobe, share):
 
 def with_surface(shape, builder, number):
     """The shape with its material, and what that emits: from the front, where ours shines to both sides."""
-    material = builder.materials[number]
+    emission = builder.materials[number].surface.emission
     shape["bsdf"] = {"type": "ref", "id": f"material{number}"}
-    if np.any(material.emission):
-        shape["emitter"] = {"type": "area", "radiance": rgb(material.emission)}
+    if not is_constant(emission):
+        shape["emitter"] = {"type": "area", "radiance": {"type": "bitmap", **bitmap(emission, Op.IMAGE)}}
+    elif np.any(emission):
+        shape["emitter"] = {"type": "area", "radiance": rgb(emission)}
     return shape
+
+
+def bitmap(value, op):
+    """Of a value that is an image, looked up by `op` with its usual coordinates, times a number."""
+    import mitsuba
+
+    if isinstance(value, Part) and value.node.op == op and value.offset == 0:
+        image = value.node.data
+        rows = slice(None, None, -1 if op == Op.ENVIRONMENT else 1)  # textures begin below, skies above
+        pixels = image.pixels[rows, :, :3].astype(np.float32) / (255.0 if image.pixels.dtype == np.uint8 else 1.0)
+        if image.is_srgb:
+            pixels = np.where(pixels <= 0.04045, pixels / 12.92, ((pixels + 0.055) / 1.055) ** 2.4)
+        return {"bitmap": mitsuba.Bitmap(np.ascontiguousarray(pixels, np.float32)), "raw": True}
+    if isinstance(value, Node) and value.op == Op.SCALE and is_constant(value.operands[1]):
+        found = bitmap(value.operands[0], op)
+        pixels = np.array(found["bitmap"]) * np.float32(value.operands[1])
+        return {**found, "bitmap": mitsuba.Bitmap(pixels)}
+    raise NotExpressibleError("emission by more than an image")
 
 
 # ---- Shapes ----------------------------------------------------------------------------------------------------------
@@ -197,11 +221,11 @@ def add_mesh(scene, builder, placement, geometry, path, name):
         if geometry.normals is not None:
             normals = geometry.normals[chosen] @ np.linalg.inv(matrix[:3, :3])
             normals = normals / np.linalg.norm(normals, axis=-1, keepdims=True)
+        uvs = None if geometry.uvs is None else geometry.uvs[chosen]
         if np.linalg.det(matrix[:3, :3]) < 0.0:  # mirrored: the front stays in front
-            corners = corners[:, ::-1]
-            normals = None if normals is None else normals[:, ::-1]
+            corners, normals, uvs = (None if a is None else a[:, ::-1] for a in (corners, normals, uvs))
         file = path.with_name(f"{path.name}_{slot}.ply")
-        write_ply(file, corners, normals)
+        write_ply(file, corners, normals, uvs)
         mesh = {"type": "ply", "filename": str(file), "face_normals": normals is None}
         scene[f"{name}_{slot}"] = with_surface(mesh, builder, material_of(builder, placement, slot))
 
@@ -212,11 +236,13 @@ def material_of(builder, placement, slot):
     return placement.materials[min(slot, len(placement.materials) - 1)]
 
 
-def write_ply(path, corners, normals):
+def write_ply(path, corners, normals, uvs):
     """Triangles, (n, 3, 3), that share no corners."""
     count = len(corners)
-    columns = corners.reshape(-1, 3) if normals is None else np.hstack([corners.reshape(-1, 3), normals.reshape(-1, 3)])
-    names = ("x", "y", "z", "nx", "ny", "nz")[: columns.shape[1]]
+    given = [(corners, ("x", "y", "z")), (normals, ("nx", "ny", "nz")), (uvs, ("u", "v"))]
+    given = [(values, names) for values, names in given if values is not None]
+    columns = np.hstack([values.reshape(3 * count, -1) for values, _ in given])
+    names = [name for _, of_one in given for name in of_one]
     faces = np.zeros(count, [("size", "u1"), ("corners", "<i4", (3,))])
     faces["size"], faces["corners"] = 3, np.arange(3 * count).reshape(-1, 3)
     header = ["ply", "format binary_little_endian 1.0", f"element vertex {3 * count}"]
@@ -230,10 +256,21 @@ def write_ply(path, corners, normals):
 # ---- Lamps -----------------------------------------------------------------------------------------------------------
 
 
+def world(mitsuba, radiance):
+    if not is_constant(radiance):
+        image = bitmap(radiance, Op.ENVIRONMENT)["bitmap"]
+        # Mitsuba's pictures of all directions have y up, and z in the middle; Blender's z up, and x in the middle
+        turn = mitsuba.ScalarTransform4f([[0, 0, 1, 0], [1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
+        return {"world": {"type": "envmap", "bitmap": image, "to_world": turn}}
+    return {"world": {"type": "constant", "radiance": rgb(radiance)}} if np.any(radiance) else {}
+
+
 def lamp(mitsuba, light):
     kind, position = LightKind(int(light["kind"])), [float(c) for c in light["p"]]
     if kind == LightKind.POINT and light["is_delta"]:
         return {"type": "point", "position": position, "intensity": rgb(light["emission"])}
+    if kind == LightKind.POINT and not light["visibility"] & Visibility.CAMERA.value:
+        raise NotExpressibleError("a lamp that the camera does not see")
     if kind == LightKind.POINT and not light["soft"]:
         emitter = {"type": "area", "radiance": rgb(light["emission"])}
         ball = {"type": "sphere", "center": position, "radius": float(light["radius"])}
