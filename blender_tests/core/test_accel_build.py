@@ -4,6 +4,7 @@
 import numpy as np
 import pytest
 
+from engine_core.accel import build
 from engine_core.accel.binary import MAX_DEPTH
 from engine_core.accel.boxes import STACK
 from engine_core.accel.build import build_boxes, build_triangles, rebase, rebase_packets
@@ -145,6 +146,38 @@ def test_rebased_trees_say_the_same_of_other_rows():
     prim = packets["prim"].copy()
     rebase_packets(packets, 77)
     np.testing.assert_array_equal(packets["prim"], np.where(prim >= 0, prim + 77, -1))
+
+
+@pytest.fixture(scope="module")
+def large():
+    """More than one thread is put to; half of it in one place, so that the upper part of the tree is lopsided."""
+    p = soup(2 * build.WORTH_THREADS, 0.01)
+    p[::2] *= np.float32(0.01)
+    return p
+
+
+def test_a_tree_is_the_same_on_any_number_of_threads(large, monkeypatch):
+    trees = []
+    for threads in (1, 2, 5):
+        monkeypatch.setattr(build, "THREADS", threads)
+        trees.append(build_triangles(large))
+    for nodes, packets in trees[1:]:
+        np.testing.assert_array_equal(nodes, trees[0][0])
+        np.testing.assert_array_equal(packets, trees[0][1])
+
+
+def test_what_threads_build_is_in_the_tree_once_and_inside_its_boxes(large):
+    nodes, packets = build_triangles(large)
+    found = leaves(nodes)
+    assert sorted(row for row, _ in found) == list(range(len(packets)))
+    prim = packets["prim"].ravel()
+    assert sorted(prim[prim >= 0]) == list(range(len(large)))
+    assert len(large) / len(packets) > 6.0  # of eight
+    for row, path in found[::50]:
+        held = packets[row]["prim"][packets[row]["prim"] >= 0]
+        for n, c in path:
+            assert (large[held] >= nodes[n]["bounds"][:3, c]).all()
+            assert (large[held] <= nodes[n]["bounds"][3:, c]).all()
 
 
 def test_building_twice_gives_the_same_tree():

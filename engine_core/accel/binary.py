@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..jit import kernel
-from ..linalg.records import Tables
+from ..linalg.records import Tables, copy_record
 from ..linalg.simd import f32x4, lane, lanes4, load4, load8, maximum, minimum, splat4, store4, store8, xyz
 
 BOX = np.dtype([("lo", "f4", (3,)), ("prim", "i4"), ("hi", "f4", (3,)), ("unused", "i4")])  # around a primitive
@@ -36,13 +36,15 @@ BINS = np.dtype(
 # Nodes below SAH_DEPTH are halved, so that no input makes a tree deeper than MAX_DEPTH: 30 more do for 2 ** 30 boxes.
 SAH_DEPTH = 48
 MAX_DEPTH = SAH_DEPTH + 30
+MAX_LATER = 256
 INFINITY = np.float32(np.inf)
 
 
 class BinaryWork(Tables):
-    boxes = BOX
+    boxes = BOX  # these are shared by threads ...
     binary = BINARY
-    tasks = TASK
+    later = TASK
+    tasks = TASK  # ... these are not
     bins = BINS
 
 
@@ -177,19 +179,40 @@ def push(work, top, node, start, end, depth):
 
 
 @kernel
-def build_binary(work, count, leaf_shift):
-    """Build the tree over `count` > 0 boxes, down to nodes of at most 2 ** leaf_shift. Returns the number of nodes.
+def split_root(work, count, leaf_shift, smallest):
+    """Begin the tree over `count` > 0 boxes. Nodes of at most `smallest` boxes wait in `work.later`, if it holds them.
 
-    A parent stands before its children. `work.binary` needs 2 count - 1 rows, `work.tasks` MAX_DEPTH + 2.
+    Those are independent of each other. Returns how many nodes there are, and how many of them wait.
     """
     push(work, 0, 0, 0, count, 0)
-    top, made = 1, 1
+    return split_all(work, 1, leaf_shift, smallest)
+
+
+@kernel
+def split_later(work, i, free, leaf_shift):
+    """Go on with a node that waits; those below it come to the rows from `free`. Returns the row after the last one."""
+    copy_record(work.tasks[0], work.later[i])
+    made, _ = split_all(work, free, leaf_shift, 0)
+    return made
+
+
+@kernel
+def split_all(work, free, leaf_shift, smallest):
+    """Split the node of the first task, and those below it, down to nodes of at most 2 ** leaf_shift boxes.
+
+    A parent stands before its children. Below a node of n boxes there are at most 2 n - 2, and MAX_DEPTH + 2 tasks.
+    """
+    top, made, waiting = 1, free, 0
     while top > 0:
         top -= 1
         task = work.tasks[top]
         node, start, end, depth = task.node, task.start, task.end, task.depth
         boxes = end - start
         if boxes <= 1 << leaf_shift:
+            continue
+        if boxes <= smallest and waiting < MAX_LATER:
+            copy_record(work.later[waiting], task)
+            waiting += 1
             continue
         middle = start
         if depth < SAH_DEPTH:
@@ -213,4 +236,4 @@ def build_binary(work, count, leaf_shift):
         push(work, top + 1, made + 1, middle, end, depth + 1)
         top += 2
         made += 2
-    return made
+    return made, waiting

@@ -4,10 +4,13 @@
     nodes, packets = build_triangles(p)          # p: float32 (n, 3 corners, 3)
     nodes, order = build_boxes(lo, hi)           # the rows of leaves index rows[order]
 
-Root, children and rows of leaves count from 0; `rebase` stands trees behind one another in one table. Each call
-works on one thread, without the GIL. Coordinates have to be finite; an axis of 1e18 metres or more costs the tree its
-quality, not its correctness.
+Root, children and rows of leaves count from 0; `rebase` stands trees behind one another in one table. Large trees are
+built on all cores, without the GIL, and are the same on any number of them. Coordinates have to be finite; an axis of
+1e18 metres or more costs the tree its quality, not its correctness.
 """
+
+import os
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
@@ -15,12 +18,15 @@ from ..jit import kernel
 from ..linalg.records import Tables
 from ..linalg.vec3 import load3_at
 from ..tables import NODE, PACKET
-from .binary import BINARY, BINS, BOX, MAX_DEPTH, TASK, BinaryWork, build_binary
-from .collapse import CHOICE, OPEN, OPEN_ROWS, SHARE, CollapseWork, choose, emit
-from .nodes import CORNERS, aligned_rows, rebase, rebase_packets
+from .binary import BINARY, BINS, BOX, MAX_DEPTH, MAX_LATER, TASK, BinaryWork, split_later, split_root
+from .collapse import CHOICE, OPEN, OPEN_ROWS, SHARE, ChooseWork, CollapseWork, choose, emit
+from .nodes import CACHE_LINE, CORNERS, aligned_rows, rebase, rebase_packets
 
-__all__ = ["aligned_rows", "build_boxes", "build_triangles", "rebase", "rebase_packets"]
+__all__ = ["CACHE_LINE", "aligned_rows", "build_boxes", "build_triangles", "rebase", "rebase_packets"]
 
+THREADS = os.cpu_count() or 1
+PIECES = 32  # the upper part of a tree ends at nodes with less than this part of it
+WORTH_THREADS = 1 << 15  # primitives
 MAX_PRIMITIVES = 2**30  # that the children of a node can number
 
 
@@ -61,26 +67,57 @@ def _check(count):
 
 def _build(boxes, corners, leaf_shift):
     count = len(boxes)
-    binary = np.empty(2 * count - 1, BINARY)
-    work = BinaryWork(boxes=boxes, binary=binary, tasks=np.empty(MAX_DEPTH + 2, TASK), bins=np.empty(1, BINS))
-    made = build_binary(work, count, leaf_shift)
-    leaves = (made + 1) // 2
+    # More than are needed: what is not written to costs no memory.
+    binary, choices = np.empty(2 * count - 1, BINARY), np.empty(2 * count - 1, CHOICE)
     with_packets = len(corners) > 0
-    nodes = aligned_rows(max(made - leaves, 1), NODE)
+    leaves = _build_binary(boxes, binary, choices, leaf_shift)
+    nodes = aligned_rows(max(leaves - 1, 1), NODE)
     packets = aligned_rows(leaves if with_packets else 0, PACKET)
     work = CollapseWork(
         boxes=boxes,
         binary=binary,
-        choices=np.empty(made, CHOICE),
+        choices=choices,
         corners=corners,
         open=np.empty(OPEN_ROWS, OPEN),
         share=np.empty(1, SHARE),
         nodes=nodes,
         packets=packets,
     )
-    choose(work, made, leaf_shift)
     node_count, packet_count = emit(work, with_packets)
     return trimmed(nodes, node_count), trimmed(packets, packet_count)
+
+
+def _build_binary(boxes, binary, choices, leaf_shift):
+    """Fill `binary`, and `choices` for collapsing it. Returns the number of its leaves.
+
+    The upper part of the tree is made first; what is below is left to threads, and stands in rows of its own whoever
+    makes it, so the tree does not depend on them.
+    """
+    count, later = len(boxes), np.empty(MAX_LATER, TASK)
+    choosing = ChooseWork(binary=binary, choices=choices)
+
+    def work():
+        tasks, bins = np.empty(MAX_DEPTH + 2, TASK), np.empty(1, BINS)
+        return BinaryWork(boxes=boxes, binary=binary, later=later, tasks=tasks, bins=bins)
+
+    made, waiting = split_root(work(), count, leaf_shift, count // PIECES)
+    sizes = 2 * (later["end"] - later["start"])[:waiting].astype(np.int64) - 2
+    free = made + np.cumsum(sizes) - sizes
+
+    def finish(i):
+        end = split_later(work(), i, free[i], leaf_shift)
+        choose(choosing, free[i], end, leaf_shift)
+        return end - free[i]
+
+    largest_first = np.argsort(-sizes, kind="stable")
+    below = finish(largest_first[-1]) if waiting else 0  # in this thread, which compiles
+    if waiting and count >= WORTH_THREADS:
+        with ThreadPoolExecutor(THREADS) as threads:
+            below += sum(threads.map(finish, largest_first[:-1]))
+    else:
+        below += sum(map(finish, largest_first[:-1]))
+    choose(choosing, 0, made, leaf_shift)
+    return (made + below + 1) // 2
 
 
 def trimmed(rows, count):

@@ -28,6 +28,11 @@ NODE_COST = np.float32(1.0)
 INFINITY = np.float32(np.inf)
 
 
+class ChooseWork(Tables):
+    binary = BINARY
+    choices = CHOICE
+
+
 class CollapseWork(Tables):
     boxes = BOX
     binary = BINARY
@@ -40,10 +45,11 @@ class CollapseWork(Tables):
 
 
 @kernel
-def choose(work, made, leaf_shift):
-    """Fill `work.choices` for all nodes, children first. A leaf of the wide tree has up to 2 ** leaf_shift boxes."""
+def choose(work, first, end, leaf_shift):
+    """Fill `work.choices` for the nodes first to end, children first. A leaf of the wide tree has up to 2 ** leaf_shift
+    boxes."""
     leaf_size = 1 << leaf_shift
-    for n in range(made - 1, -1, -1):
+    for n in range(end - 1, first - 1, -1):
         node, choice = work.binary[n], work.choices[n]
         area = half_area(load4(node, "lo", 0), load4(node, "hi", 0))
         as_leaf = INFINITY

@@ -7,10 +7,13 @@ mesh is asked how far its corners reach along each axis of the world; that takes
 size.
 """
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 
 from ..jit import kernel
 from .binary import MAX_DEPTH
+from .build import THREADS
 from .nodes import WIDTH
 
 STACK = MAX_DEPTH * 8
@@ -19,8 +22,18 @@ INFINITY = np.float32(np.inf)
 MARGIN = np.float32(4e-6)
 
 
+def instance_boxes(nodes, packets, *rows):
+    """As `fill_boxes`, on all cores."""
+    count = len(rows[0])
+    step = max(count // (8 * THREADS), 1024)
+    parts = [[array[i : i + step] for array in rows] for i in range(0, count, step)]
+    fill_boxes(nodes, packets, *parts[0])  # in this thread, which compiles
+    with ThreadPoolExecutor(THREADS) as threads:
+        list(threads.map(lambda part: fill_boxes(nodes, packets, *part), parts[1:]))
+
+
 @kernel
-def instance_boxes(nodes, packets, roots, has_packets, to_world, lo, hi):
+def fill_boxes(nodes, packets, roots, has_packets, to_world, lo, hi):
     """Fill boxes lo, hi, float32 (n, 3), around the trees at `roots` (n,) moved by `to_world`, float32 (n, 3, 4).
 
     `has_packets` (n,): whether its leaves are triangles; otherwise their boxes are taken.

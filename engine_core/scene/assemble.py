@@ -34,9 +34,7 @@ from ..tables import (
 from . import checks, shapes, targets
 from .shading import Shading, bake_lights, bake_world
 from .targets import Aim
-from .triangles import fill_triangles, triangle_lights
-
-NOTHING = np.zeros((0, 0, 0), np.float32)
+from .triangles import inverse, triangle_lights, triangle_rows
 
 
 def assemble(builder, progress):
@@ -47,7 +45,7 @@ def assemble(builder, progress):
 class _Assembly:
     def __init__(self, builder, progress):
         self.builder, self.progress = builder, progress
-        self.placements = self._regular_placements()
+        self.placements, self.matrices = self._regular_placements()
         self.slots = []
         self.instances = np.zeros(len(self.placements), INSTANCE)
         self.objects = np.zeros(len(self.placements), OBJECT)
@@ -108,22 +106,21 @@ class _Assembly:
     # ---- Geometry ----
 
     def _regular_placements(self):
-        """The placements that have a volume; the others cannot be seen and are left out with a warning."""
-        kept = []
-        for placement in self.builder.placements:
-            placement.matrix, regular = checks.transform(placement.name, placement.to_world)
-            geometry = self.builder.geometries[placement.geometry]
-            if not regular:
-                self.builder._warn(placement.name, "is scaled to 0 in some direction; left out")
-            elif _size(geometry) > 0:
-                kept.append(placement)
-        return kept
+        """The placements that have a volume, and where they stand, float64 (n, 3, 4).
+
+        The others cannot be seen and are left out with a warning.
+        """
+        placements = [p for p in self.builder.placements if _size(self.builder.geometries[p.geometry]) > 0]
+        matrices, regular = checks.transforms([p.name for p in placements], [p.to_world for p in placements])
+        for number in np.flatnonzero(~regular):
+            self.builder._warn(placements[number].name, "is scaled to 0 in some direction; left out")
+        return [p for p, is_regular in zip(placements, regular, strict=True) if is_regular], matrices[regular]
 
     def _place(self, materials, world):
         users = {}
         for number, placement in enumerate(self.placements):
             users.setdefault(placement.geometry, []).append(number)
-            self._instance_row(number, placement)
+        self._instance_rows()
         alone = {TreeKind.TRIANGLES: [], TreeKind.SHAPES: []}
         shared = []
         for geometry, numbers in users.items():
@@ -131,7 +128,7 @@ class _Assembly:
             first = self.placements[numbers[0]]
             kind = _kind(self.builder.geometries[geometry])
             in_world = len(numbers) == 1 and first.visibility == Visibility.ALL
-            if in_world and (kind == TreeKind.TRIANGLES or self._keeps_shapes(geometry, first)):
+            if in_world and (kind == TreeKind.TRIANGLES or self._keeps_shapes(numbers[0])):
                 alone[kind].append(numbers[0])
             else:
                 shared.append((geometry, numbers))
@@ -145,24 +142,28 @@ class _Assembly:
         self.objects["first_prim"] = [self.first_prims[p.geometry] for p in self.placements]
         self._instance_tree(np.array([n for _, numbers in shared for n in numbers], np.int64), world)
 
-    def _keeps_shapes(self, geometry, placement):
-        return shapes.keeps_shapes(self.builder.geometries[geometry].rows, placement.matrix)
+    def _keeps_shapes(self, number):
+        rows = self.builder.geometries[self.placements[number].geometry].rows
+        return shapes.keeps_shapes(rows, self.matrices[number])
 
-    def _instance_row(self, number, placement):
-        row, geometry = self.instances[number], self.builder.geometries[placement.geometry]
-        row["to_world"] = placement.matrix
-        row["to_object"] = inverse(placement.matrix)
-        row["kind"], row["root"], row["lights"] = _kind(geometry), -1, -1
-        row["visibility"], row["pass_index"], row["random"] = (
-            placement.visibility,
-            placement.pass_index,
-            placement.random,
-        )
-        told = self.objects[number]
-        told["color"] = placement.color
-        told["texture_scale"], told["texture_offset"] = geometry.texture_space
-        told["attributes"] = self.attribute_rows.get(placement.geometry, -1)
-        row["slots"] = self._slots(placement.materials, _slot_count(geometry))
+    def _instance_rows(self):
+        rows, placements = self.instances, self.placements
+        rows["to_world"], rows["to_object"] = self.matrices, inverse(self.matrices)
+        rows["root"], rows["lights"] = -1, -1
+        for field in ("visibility", "pass_index", "random"):
+            rows[field] = [getattr(p, field) for p in placements]
+        if not placements:
+            return
+        geometries, used = self.builder.geometries, [p.geometry for p in placements]
+        rows["kind"] = np.array([_kind(geometry) for geometry in geometries])[used]
+        counts = [_slot_count(geometry) for geometry in geometries]
+        rows["slots"] = [self._slots(p.materials, counts[p.geometry]) for p in placements]
+        told = self.objects
+        told["color"] = [p.color for p in placements]
+        told["attributes"] = [self.attribute_rows.get(number, -1) for number in used]
+        spaces = {number: geometries[number].texture_space for number in set(used)}
+        told["texture_scale"] = [spaces[number][0] for number in used]
+        told["texture_offset"] = [spaces[number][1] for number in used]
 
     def _slots(self, materials, count):
         """Row of SLOT of slot 0; objects with the same materials share theirs."""
@@ -208,20 +209,9 @@ class _Assembly:
         """Rows of TRIANGLE or SHAPE of a geometry, in the world's space if a placement is given."""
         geometry = self.builder.geometries[number]
         moved = placement is not None
-        matrix = self.placements[placement].matrix if moved else np.eye(4)[:3]
+        matrix = self.matrices[placement] if moved else np.eye(4)[:3]
         if kind == TreeKind.TRIANGLES:
-            rows = np.empty(len(geometry.triangles), TRIANGLE)
-            fill_triangles(
-                rows,
-                geometry.positions,
-                geometry.triangles,
-                NOTHING if geometry.normals is None else geometry.normals,
-                NOTHING if geometry.uvs is None else geometry.uvs,
-                np.zeros(0, np.int32) if geometry.slots is None else geometry.slots,
-                np.ascontiguousarray(matrix),
-                np.ascontiguousarray(inverse(matrix)),
-                placement if moved else -1,
-            )
+            rows = triangle_rows(geometry, matrix, placement if moved else -1)
         else:
             rows = shapes.moved(geometry.rows, matrix)
             rows["instance"] = placement if moved else -1
@@ -249,6 +239,7 @@ class _Assembly:
         new_order = np.concatenate([ordered, others])
         self.instances, self.objects = self.instances[new_order], self.objects[new_order]
         self.placements = [self.placements[n] for n in new_order]
+        self.matrices = self.matrices[new_order]
         renumbered = np.empty(len(new_order), np.int32)
         renumbered[new_order] = np.arange(len(new_order))
         for table in (*self.triangles, *self.shapes):
@@ -266,8 +257,7 @@ class _Assembly:
         emissive = (materials["flags"] & MaterialFlag.EMISSIVE) > 0
         slots = np.zeros(_size(geometry), np.int32) if _primitive_slots(geometry) is None else geometry.slots
         emits = np.zeros(_slot_count(geometry), bool)
-        for n in users:
-            first = self.instances[n]["slots"]
+        for first in np.unique(self.instances["slots"][users]):
             emits |= emissive[np.array(self.slots[first : first + len(emits)])]
         flags = emits[slots]
         geometry.light_ranks = np.where(flags, np.cumsum(flags) - 1, -1).astype(np.int32)
@@ -333,7 +323,7 @@ class _Assembly:
 
     def _emitters(self, number, placement, geometry, materials):
         """Rows of LIGHT for the emissive primitives of an instance; None if they cannot be sampled."""
-        matrix = placement.matrix
+        matrix = self.matrices[number]
         if _kind(geometry) == TreeKind.SHAPES:
             if self._emits_by_program(number, materials):
                 self.builder._warn(placement.name, "emits by a texture; rays find the light of a shape by chance alone")
@@ -363,7 +353,7 @@ class _Assembly:
         """Lights, TARGET, NODE: behind the lights what is aimed at and does not shine; all that is aimed at; its tree
         behind all others."""
         geometries = [self.builder.geometries[placement.geometry] for placement in self.placements]
-        dark = targets.dark_lights(self.placements, geometries, self.instances["lights"])
+        dark = targets.dark_lights(self.placements, self.matrices, geometries, self.instances["lights"])
         lights = _concatenate([lights, *dark], LIGHT)
         rows, tree = targets.make(lights, world)
         if len(tree):
@@ -388,12 +378,6 @@ class _Assembly:
 # ---- Geometry, plainly -----------------------------------------------------------------------------------------------
 
 
-def inverse(matrix):
-    """The inverse of an affine transform (3, 4)."""
-    linear = np.linalg.inv(matrix[:, :3])
-    return np.concatenate([linear, -linear @ matrix[:, 3:]], axis=1)
-
-
 def _kind(geometry):
     return TreeKind.SHAPES if isinstance(geometry, shapes.Shapes) else TreeKind.TRIANGLES
 
@@ -412,6 +396,8 @@ def _slot_count(geometry):
 
 
 def _concatenate(parts, dtype):
+    if len(parts) == 1 and parts[0].ctypes.data % accel.CACHE_LINE == 0:
+        return parts[0]
     rows = accel.aligned_rows(sum(len(part) for part in parts), dtype)
     return np.concatenate(parts, out=rows) if parts else rows
 

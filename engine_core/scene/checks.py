@@ -3,6 +3,7 @@
 
 import numpy as np
 
+FLAT = 1e-9  # volume of what a transform makes of the unit cube, its edges made unit: below it, it has none
 LARGEST = 1e15  # coordinates beyond this overflow float32 once squared
 
 
@@ -50,7 +51,22 @@ def transform(name, value):
     if not scale.all():
         return matrix, False
     # the volume of the unit cube with the axes' lengths taken out: 0 when the axes lie in a plane
-    return matrix, abs(np.linalg.det(matrix[:, :3] / scale)) > 1e-9
+    return matrix, abs(np.linalg.det(matrix[:, :3] / scale)) > FLAT
+
+
+def transforms(names, values):
+    """As `transform`, for all of a scene at a time: float64 (n, 3, 4), and which can be inverted, bool (n,)."""
+    try:
+        matrices = np.array(values, np.float64).reshape(len(values), 4, 4)[:, :3]
+    except (TypeError, ValueError):
+        matrices = None
+    if matrices is None or not (np.abs(matrices) <= LARGEST).all():  # not by numbers that are none, either
+        for name, value in zip(names, values, strict=True):
+            transform(name, value)  # raises
+    scale = np.linalg.norm(matrices[..., :3], axis=1)
+    flat = ~scale.all(axis=1)
+    scale[flat] = 1.0
+    return matrices, ~flat & (np.abs(np.linalg.det(matrices[..., :3] / scale[:, None])) > FLAT)
 
 
 def color(name, what, value):

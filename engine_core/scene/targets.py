@@ -34,10 +34,10 @@ class Aim(IntEnum):
     NEVER = 2
 
 
-def dark_lights(placements, geometries, first_lights):
+def dark_lights(placements, matrices, geometries, first_lights):
     """Tables of LIGHT, without emission, for what is aimed at and has no rows among the lights.
 
-    `first_lights`: for each placement the row of LIGHT of its first emitter, -1: it has none.
+    `matrices`: (n, 3, 4), where they stand; `first_lights`: for each the row of LIGHT of its first emitter, -1: it has none.
     """
     tables = []
     for number, (placement, geometry, first) in enumerate(zip(placements, geometries, first_lights, strict=True)):
@@ -50,7 +50,7 @@ def dark_lights(placements, geometries, first_lights):
         else:
             continue
         if len(wanted):
-            rows = _rows(geometry, wanted, placement.matrix)
+            rows = _rows(geometry, wanted, matrices[number])
             rows["instance"], rows["prim"], rows["two_sided"], rows["aimed_at"] = number, -1, 1, 1
             rows["spread"], rows["leaf"] = np.inf, -1
             tables.append(rows)

@@ -1,10 +1,35 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Rows of TRIANGLE from the arrays of a mesh, and of LIGHT where they emit."""
+"""Rows of TRIANGLE, and of LIGHT, for the triangles of a mesh where a transform takes them."""
 
 import numpy as np
 
 from ..jit import builder_kernel
-from ..tables import LIGHT, LightKind
+from ..tables import LIGHT, TRIANGLE, LightKind
+
+NOTHING = np.zeros((0, 0, 0), np.float32)
+
+
+def triangle_rows(mesh, matrix, instance):
+    """Rows of TRIANGLE: of a mesh moved by `matrix`, float64 (3, 4), and owned by that row of INSTANCE."""
+    rows = np.empty(len(mesh.triangles), TRIANGLE)
+    fill_triangles(
+        rows,
+        mesh.positions,
+        mesh.triangles,
+        NOTHING if mesh.normals is None else mesh.normals,
+        NOTHING if mesh.uvs is None else mesh.uvs,
+        np.zeros(0, np.int32) if mesh.slots is None else mesh.slots,
+        np.ascontiguousarray(matrix),
+        np.ascontiguousarray(inverse(matrix)),
+        instance,
+    )
+    return rows
+
+
+def inverse(matrices):
+    """The inverses of affine transforms (..., 3, 4)."""
+    linear = np.linalg.inv(matrices[..., :3])
+    return np.concatenate([linear, -linear @ matrices[..., 3:]], axis=-1)
 
 
 def triangle_lights(mesh, numbers, matrix):
