@@ -60,6 +60,7 @@ class LobeKind(IntEnum):
     TOON_GLOSSY = 9  # ... about the mirrored view
     SHEEN = 10  # fine fibres: alpha_x is the roughness
     VELVET = 11  # Ashikhmin's velvet: alpha_x is the roughness
+    ASHIKHMIN_SHIRLEY = 12  # glossy reflection by powers of cosines, without Fresnel
 
 
 TRANSMITTING = (LobeKind.DIELECTRIC, LobeKind.REFRACTION, LobeKind.TRANSLUCENT)

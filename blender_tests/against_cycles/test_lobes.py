@@ -43,6 +43,16 @@ CASES = {
         f"velvet {r}": ("Sheen", {"distribution": "ASHIKHMIN"}, {"Roughness": r}, LobeKind.VELVET, {"alpha_x": r})
         for r in (0.2, 0.6, 1.0)
     },
+    **{
+        f"Ashikhmin-Shirley {r}": (
+            "Glossy",
+            {"distribution": "ASHIKHMIN_SHIRLEY"},
+            {"Roughness": r},
+            LobeKind.ASHIKHMIN_SHIRLEY,
+            {"alpha_x": r * r, "alpha_y": r * r},
+        )
+        for r in (0.3, 0.6, 0.9)
+    },
     "translucent": ("Translucent", {}, {}, LobeKind.TRANSLUCENT, {}),
 }
 

@@ -38,6 +38,9 @@ ESTIMATED = {
     "CONDUCTOR gold": 0.02,  # through the F82 curve that fits it best
     "TOON_GLOSSY": 0.5,  # as if the cone had no part below the horizon
     "TOON_GLOSSY sharp": 0.5,
+    "ASHIKHMIN_SHIRLEY": 0.08,  # from sixteen samples; worst at grazing angles, where half of them are lost
+    "ASHIKHMIN_SHIRLEY sharp": 0.08,
+    "ASHIKHMIN_SHIRLEY stretched": 0.08,
     "VELVET": 0.03,  # from a few directions
     "VELVET soft": 0.03,
     "VELVET sharp": 0.03,

@@ -29,6 +29,7 @@ CASES = {
     LobeKind.TOON_DIFFUSE: {"": _widths(0.5, 0.2), "sharp": {"alpha_x": 0.3}, "widest": _widths(0.9, 0.5)},
     LobeKind.TOON_GLOSSY: {"": _widths(0.3, 0.2), "sharp": {"alpha_x": 0.2871}},
     LobeKind.SHEEN: {"": {"alpha_x": 0.5}, "soft": {"alpha_x": 1.0}, "sharp": {"alpha_x": 0.15}},
+    LobeKind.ASHIKHMIN_SHIRLEY: {"": _widths(0.3), "sharp": _widths(0.02), "stretched": _widths(0.5, 0.1)},
     LobeKind.VELVET: {"": {"alpha_x": 0.4}, "soft": {"alpha_x": 1.0}, "sharp": {"alpha_x": 0.1}},
     LobeKind.CONDUCTOR: {
         "mirror": {},

@@ -82,7 +82,7 @@ def node(kind, settings=None, **inputs):
     """A closure for `cycles_values`."""
 
     def add(tree):
-        new = tree.nodes.new(f"ShaderNodeBsdf{kind}")
+        new = tree.nodes.new(f"ShaderNodeBsdf{kind.replace('Glossy', 'Anisotropic')}")  # its name of old
         for name, value in (settings or {}).items():
             setattr(new, name, value)
         for name, value in inputs.items():

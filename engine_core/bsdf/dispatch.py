@@ -18,6 +18,7 @@ from ..jit import kernel
 from ..linalg.vec3 import BLACK, WHITE, Vec3, average, dot, is_black, load3, max_component, store3
 from ..tables import LobeKind
 from . import (
+    ashikhmin_shirley,
     coating,
     conductor,
     dielectric,
@@ -272,6 +273,8 @@ def lobe_evaluate_and_pdf(lobe, wo, wi):
         return sheen.evaluate_and_pdf(lobe, wo, wi)
     if lobe.kind == LobeKind.VELVET:
         return velvet.evaluate_and_pdf(lobe, wo, wi)
+    if lobe.kind == LobeKind.ASHIKHMIN_SHIRLEY:
+        return ashikhmin_shirley.evaluate_and_pdf(lobe, wo, wi)
     return nothing()
 
 
@@ -301,6 +304,8 @@ def lobe_sample(lobe, wo, u_choice, u0, u1):
         return sheen.sample(lobe, wo, u_choice, u0, u1)
     if lobe.kind == LobeKind.VELVET:
         return velvet.sample(lobe, wo, u_choice, u0, u1)
+    if lobe.kind == LobeKind.ASHIKHMIN_SHIRLEY:
+        return ashikhmin_shirley.sample(lobe, wo, u_choice, u0, u1)
     return no_direction()
 
 
@@ -331,6 +336,8 @@ def lobe_albedo(lobe, wo):
         return sheen.albedo(lobe, wo)
     if lobe.kind == LobeKind.VELVET:
         return velvet.albedo(lobe, wo)
+    if lobe.kind == LobeKind.ASHIKHMIN_SHIRLEY:
+        return ashikhmin_shirley.albedo(lobe, wo)
     return BLACK
 
 
