@@ -107,8 +107,12 @@ def rendered_viewport():
 def look_at_viewport(name):
     """When it has its last sample, of the scene as it is now."""
     yield from wait(0.5)
-    yield from until(lambda: [text[:10] for text in viewport_texts()] == ["Sample 8/8"], 60)
+    yield from until(viewport_is_finished, 60)
     yield from look(name)
+
+
+def viewport_is_finished():
+    return [text[:10] for text in viewport_texts()] == ["Sample 8/8"]
 
 
 def viewport_texts():
