@@ -127,7 +127,7 @@ def test_adaptive_pictures_have_less_error_than_uniform_ones():
     s = RareLight(0).deviation()
     best = np.mean(s**2) / np.mean(s) ** 2  # Neyman's
     assert best > 1.4
-    assert squared_error(None) / squared_error(Noise.importance) > 1.0 + 0.5 * (best - 1.0)
+    assert squared_error(None) / squared_error(Noise.importance) > 1.0 + 0.4 * (best - 1.0)
 
 
 @pytest.mark.parametrize("budget", [17, 32, 100])
@@ -136,7 +136,7 @@ def test_samples_are_distributed_in_proportion(budget):
     targets = adaptive.distribute(importance, np.full((64, 64), 4, np.int32), budget, 1024)
     assert 0.999 * budget < targets.mean() <= budget
     assert (np.log2(targets) % 1.0 == 0.0).all()
-    share = targets / importance
+    share = targets / importance**adaptive.TRUST
     inner = targets > 4
     assert share[inner].max() / share[inner].min() < 2.0 * 1.01
 

@@ -23,8 +23,9 @@ def room():
     return b
 
 
-def test_threads_do_not_change_the_picture(room):
-    pictures = [picture(room, threads, size=100, samples=40) for threads in (1, 2, 7)]
+@pytest.mark.parametrize("adaptive", [0, 1])
+def test_threads_do_not_change_the_picture(room, adaptive):
+    pictures = [picture(room, threads, size=100, samples=20, adaptive=adaptive) for threads in (1, 2, 7)]
     assert pictures[0].std() > 0.01
     np.testing.assert_array_equal(pictures[0], pictures[1])
     np.testing.assert_array_equal(pictures[0], pictures[2])
@@ -111,9 +112,10 @@ def test_samples_add_up(room, samples, adaptive):
         assert given.min() > samples / 4
 
 
-def test_noise_target_ends_a_render(room):
+@pytest.mark.parametrize("adaptive", [0, 1])
+def test_noise_target_ends_a_render(room, adaptive):
     """As soon as its own estimate says so, and no sooner."""
-    render = Render(room.build(), settings(48, samples=100_000, noise_target=0.1))
+    render = Render(room.build(), settings(48, samples=100_000, noise_target=0.1, adaptive=adaptive))
     render.run()
     assert 0.03 < render.error_estimate <= 0.1
     assert UNIFORM_SAMPLES < render.samples_done < 10_000
@@ -168,6 +170,6 @@ def test_adaptive_and_uniform_pictures_agree():
             values.append(render.image("Combined")[..., :3].mean(dtype=float))
         return np.mean(values), np.std(values) / np.sqrt(count)
 
-    (adaptive, error), (uniform, other) = means(120, samples=64), means(6, samples=1024, adaptive=0)
+    (adaptive, error), (uniform, other) = means(120, samples=64, adaptive=1), means(6, samples=1024, adaptive=0)
     assert np.hypot(error, other) < 0.006 * uniform
     assert abs(adaptive - uniform) < 3.5 * np.hypot(error, other)

@@ -2,11 +2,14 @@
 """How many samples each pixel gets: more where they matter.
 
 With a given number of samples the sum of variance / n over pixels is least when n is proportional to the standard
-deviation (Neyman 1934). Here n is the next power of two, as Sobol points are spread best then; that costs 2 %.
+deviation (Neyman 1934). Of that one has only an estimate, which is too low where light is rare and was missed so far,
+and too high where it was met; so n follows a smaller power of it. And n is the next power of two, as Sobol points are
+spread best then; that costs 2 %.
 """
 
 import numpy as np
 
+TRUST = 0.6  # the power: measured best in scenes from smooth to caustics, of 0.4, 0.6 and 1
 GOLDEN = 0.6180339887498949
 
 
@@ -21,7 +24,7 @@ def distribute(importance, samples, budget, most):
     """
     # pixels of equal importance shall not all take the step at once
     tie_breaker = 1e-3 * (np.arange(importance.size) * GOLDEN % 1.0).reshape(importance.shape)
-    level = np.log2(np.maximum(importance, 1e-12)) + tie_breaker
+    level = TRUST * np.log2(np.maximum(importance, 1e-12)) + tie_breaker
 
     def targets(shift):
         return np.maximum(np.exp2(np.clip(np.round(level + shift), 0.0, np.log2(most))), samples)
