@@ -62,7 +62,7 @@ def albedo(lobe, wo):
 def _stretch(lobe, wo):
     row = min(max(lobe.alpha_x, 1e-3), 1.0) * np.float32(NODES - 1)
     column = min(max(wo.z, 0.0), 1.0) * np.float32(NODES - 1)
-    i, j = min(int(row), NODES - 2), min(int(column), NODES - 2)
+    i, j = max(min(int(row), NODES - 2), 0), max(min(int(column), NODES - 2), 0)  # inside even for what is no number
     t, s = row - np.float32(i), column - np.float32(j)
     size = math.sqrt(wo.x * wo.x + wo.y * wo.y)
     x, y = (wo.x / size, wo.y / size) if size > 1e-6 else (ONE, ZERO)

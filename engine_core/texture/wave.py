@@ -45,6 +45,7 @@ def wave(p, kind, direction, profile, distortion, detail, detail_scale, detail_r
     """0 to 1, at a point that is scaled already; `phase` is in radians. The node's colour is this as a grey."""
     p = (p + Vec3(SHIFT, SHIFT, SHIFT)) * STRETCH
     n = _distance(p, kind, direction) + phase
+    detail = min(max(detail, 0.0), 15.0)  # as noise has it: a linked socket may hold anything
     if distortion != 0.0:
         noise = fractal(p * detail_scale, ZERO, 3, FBM, detail, detail_roughness, TWO, ZERO, ZERO, True)
         n += distortion * (noise * 2.0 - 1.0)
