@@ -37,7 +37,7 @@ class Aim(IntEnum):
 def dark_lights(placements, matrices, geometries, first_lights):
     """Tables of LIGHT, without emission, for what is aimed at and has no rows among the lights.
 
-    `matrices`: (n, 3, 4), where they stand; `first_lights`: for each the row of LIGHT of its first emitter, -1: it has none.
+    `matrices`: (n, 3, 4), where they stand; `first_lights`: for each the row of LIGHT of its first emitter, or -1.
     """
     tables = []
     for number, (placement, geometry, first) in enumerate(zip(placements, geometries, first_lights, strict=True)):
