@@ -18,6 +18,10 @@ class ClosureKind(IntEnum):
     GLASS = 6
     REFRACTION = 7
     PRINCIPLED = 8
+    TOON_DIFFUSE = 9  # roughness: the size of its cone
+    TOON_GLOSSY = 10
+    SHEEN = 11
+    VELVET = 12
 
 
 class TexelFormat(IntEnum):
@@ -29,7 +33,7 @@ class TexelFormat(IntEnum):
     FLOAT = 3
 
 
-MAX_OPERANDS = 10
+MAX_OPERANDS = 12
 MAX_REGISTERS = 256
 OP = np.dtype(
     [  # one step of a program: floats from registers to registers
@@ -54,13 +58,17 @@ CLOSURE = np.dtype(
         ("color", "f4", (3,)),
         ("roughness", "f4"),
         ("anisotropy", "f4"),
-        ("rotation", "f4"),  # of the anisotropy, in turns
+        ("smooth", "f4"),  # TOON
         ("ior", "f4"),
         ("edge_tint", "f4", (3,)),  # METALLIC, CONDUCTOR; PRINCIPLED: specular tint
         ("metallic", "f4"),
         ("alpha", "f4"),
         ("specular_level", "f4"),
         ("transmission", "f4"),
+        ("diffuse_roughness", "f4"),
+        ("sheen_weight", "f4"),
+        ("sheen_roughness", "f4"),
+        ("sheen_tint", "f4", (3,)),
         ("coat_weight", "f4"),
         ("coat_roughness", "f4"),
         ("coat_ior", "f4"),

@@ -32,7 +32,7 @@ def wanted_names():
             names.add(node.attribute_name)
         elif node.type == "VERTEX_COLOR":
             names.add(node.layer_name or ACTIVE_COLOR)
-        elif node.type == "NORMAL_MAP" and node.space == "TANGENT":
+        elif node.type == "TANGENT" or (node.type == "NORMAL_MAP" and node.space == "TANGENT"):
             names.add(TANGENT + node.uv_map)
         elif node.type == "NEW_GEOMETRY" and any(o.name == "Random Per Island" and o.is_linked for o in node.outputs):
             names.add(ISLANDS)

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Nodes that tell where a ray hit what: coordinates, geometry, attributes, the object, the ray, and bent normals."""
 
+import math
+
 import numpy as np
 
 from ..core import graph, opcodes
@@ -163,6 +165,22 @@ def _normal_map(values, node, output, groups):
     return graph.node(Op.NORMAL_MAP, color, strength, tangent, sign, mode=opcodes.NormalSpace[space])
 
 
+def turned(vector, axis, turns):
+    """A vector turned about an axis by a number of full turns."""
+    angle = graph.product(turns, 2.0 * math.pi)
+    return graph.node(Op.ROTATE, vector, ZERO3, axis, angle, ZERO3, mode=opcodes.Rotation.AXIS_ANGLE)
+
+
+def _tangent(values, node, output, groups):
+    if node.direction_type == "UV_MAP":
+        tangent = attribute(attributes.TANGENT + node.uv_map)
+        mode = 18 + opcodes.Space.OBJECT * 3 + opcodes.Space.WORLD
+        return graph.node(Op.CHANGE_SPACE, tangent, mode=mode)
+    if node.axis != "Z":
+        values.warn(node, f"radial tangents about {node.axis} are not rendered yet; using those about Z")
+    return vector_input(InputVector.RADIAL_TANGENT)
+
+
 def _fresnel(values, node, output, groups):
     return graph.node(Op.FRESNEL, values.number(node, groups, "IOR"), _normal_input(values, node, groups))
 
@@ -188,6 +206,7 @@ FUNCTIONS = {
     "UVMAP": _uv_map,
     "ATTRIBUTE": _attribute,
     "VERTEX_COLOR": _color_attribute,
+    "TANGENT": _tangent,
     "BUMP": _bump,
     "NORMAL_MAP": _normal_map,
     "FRESNEL": _fresnel,

@@ -39,7 +39,7 @@ def _clamp(values, node, output, groups):
 
 def _map_range(values, node, output, groups):
     mode = opcodes.Range[node.interpolation_type]
-    if node.clamp and mode <= opcodes.Range.STEPPED:
+    if node.clamp:
         mode += CLAMPED
     if node.data_type == "FLOAT_VECTOR":
         names = ("Vector", "From_Min_FLOAT3", "From_Max_FLOAT3", "To_Min_FLOAT3", "To_Max_FLOAT3", "Steps_FLOAT3")
@@ -99,13 +99,13 @@ def _combined(x, y, z):
 def _separate_color(values, node, output, groups):
     color = values.color(node, groups, "Color")
     if node.mode != "RGB":
-        color = graph.node(Op.SEPARATE_COLOR, color, mode=opcodes.ColorSpace[node.mode])
+        color = graph.node(Op.SEPARATE_COLOR, color, mode=opcodes.ColorModel[node.mode])
     return graph.part(color, ("Red", "Green", "Blue").index(output.identifier))
 
 
 def _combine_color(values, node, output, groups):
     color = _combined(*(values.number(node, groups, name) for name in ("Red", "Green", "Blue")))
-    return color if node.mode == "RGB" else graph.node(Op.COMBINE_COLOR, color, mode=opcodes.ColorSpace[node.mode])
+    return color if node.mode == "RGB" else graph.node(Op.COMBINE_COLOR, color, mode=opcodes.ColorModel[node.mode])
 
 
 def _separate_rgb(values, node, output, groups):
@@ -118,12 +118,14 @@ def _combine_rgb(values, node, output, groups):
 
 def _separate_hsv(values, node, output, groups):
     return graph.part(
-        graph.node(Op.SEPARATE_COLOR, values.color(node, groups, "Color")), "HSV".index(output.identifier)
+        graph.node(Op.SEPARATE_COLOR, values.color(node, groups, "Color"), mode=opcodes.ColorModel.HSV),
+        "HSV".index(output.identifier),
     )
 
 
 def _combine_hsv(values, node, output, groups):
-    return graph.node(Op.COMBINE_COLOR, _combined(*(values.number(node, groups, name) for name in "HSV")))
+    hsv = _combined(*(values.number(node, groups, name) for name in "HSV"))
+    return graph.node(Op.COMBINE_COLOR, hsv, mode=opcodes.ColorModel.HSV)
 
 
 def _rgb_to_bw(values, node, output, groups):
@@ -150,6 +152,10 @@ def _bright_contrast(values, node, output, groups):
 
 def _blackbody(values, node, output, groups):
     return graph.node(Op.BLACKBODY, values.number(node, groups, "Temperature"))
+
+
+def _wavelength(values, node, output, groups):
+    return graph.node(Op.WAVELENGTH, values.number(node, groups, "Wavelength"))
 
 
 # ---- Curves ----------------------------------------------------------------------------------------------------------
@@ -258,6 +264,7 @@ FUNCTIONS = {
     "GAMMA": _gamma,
     "BRIGHTCONTRAST": _bright_contrast,
     "BLACKBODY": _blackbody,
+    "WAVELENGTH": _wavelength,
     "VALTORGB": _color_ramp,
     "CURVE_RGB": _rgb_curves,
     "CURVE_VEC": _vector_curves,

@@ -7,9 +7,10 @@ A closure takes the values of its sockets: numbers, or graphs of what varies ove
 import bpy
 import numpy as np
 
-from ..core import ProgramTables, graph
+from ..core import ProgramTables, graph, opcodes
 from ..core import materials as m
 from .graph import Graph, by_identifier, has_nodes, label, source
+from .node_inputs import turned, vector_input
 from .values import Values
 
 DEEPEST, MOST_CLOSURES = 100, 1000  # a tree may use a shader many times over, and so grow exponentially
@@ -120,8 +121,7 @@ class Translation:
     # ---- Scattering ----
 
     def _bsdf_diffuse(self, i):
-        i.taken_as({"Roughness": 0.0})
-        return m.Diffuse(i.color("Color"), i.normal())
+        return m.Diffuse(i.color("Color"), i.number("Roughness"), i.normal())
 
     def _bsdf_translucent(self, i):
         return m.Translucent(i.color("Color"), i.normal())
@@ -130,13 +130,16 @@ class Translation:
         return m.Transparent(i.color("Color"))
 
     def _bsdf_glossy(self, i):
-        return m.Glossy(i.color("Color"), i.number("Roughness"), i.anisotropy(), i.is_multiscatter(), i.normal())
+        anisotropy, tangent = i.anisotropy()
+        return m.Glossy(i.color("Color"), i.number("Roughness"), anisotropy, i.is_multiscatter(), i.normal(), tangent)
 
     def _bsdf_metallic(self, i):
         i.taken_as({"Thin Film Thickness": 0.0})
+        anisotropy, tangent = i.anisotropy()
         common = {
             "roughness": i.number("Roughness"),
-            "anisotropy": i.anisotropy(),
+            "anisotropy": anisotropy,
+            "tangent": tangent,
             "multiscatter": i.is_multiscatter(),
             "normal": i.normal(),
         }
@@ -154,7 +157,8 @@ class Translation:
 
     def _bsdf_principled(self, i):
         i.left_out("Coat Normal")
-        i.taken_as({"Subsurface Weight": 0.0, "Sheen Weight": 0.0, "Diffuse Roughness": 0.0})
+        i.taken_as({"Subsurface Weight": 0.0})
+        anisotropy, tangent = i.anisotropy("Anisotropic", "Anisotropic Rotation")
         i.taken_as({"Thin Film Thickness": 0.0, "Thin Wall": False})
         return m.Principled(
             base_color=i.color("Base Color"),
@@ -164,8 +168,13 @@ class Translation:
             alpha=i.number("Alpha"),
             specular_ior_level=i.number("Specular IOR Level"),
             specular_tint=i.color("Specular Tint"),
-            anisotropic=i.anisotropy("Anisotropic", "Anisotropic Rotation"),
+            anisotropic=anisotropy,
+            tangent=tangent,
             transmission=i.number("Transmission Weight"),
+            diffuse_roughness=i.number_or("Diffuse Roughness", 0.0),
+            sheen_weight=i.number("Sheen Weight"),
+            sheen_roughness=i.number("Sheen Roughness"),
+            sheen_tint=i.color("Sheen Tint"),
             coat_weight=i.number("Coat Weight"),
             coat_roughness=i.number("Coat Roughness"),
             coat_ior=i.number("Coat IOR"),
@@ -176,6 +185,14 @@ class Translation:
             normal=i.normal(),
         )
 
+    def _bsdf_sheen(self, i):
+        is_velvet = i.node.distribution == "ASHIKHMIN"
+        return m.Sheen(i.color("Color"), i.number("Roughness"), is_velvet, i.normal())
+
+    def _bsdf_toon(self, i):
+        is_glossy = i.node.component == "GLOSSY"
+        return m.Toon(i.color("Color"), i.number("Size"), i.number("Smooth"), is_glossy, i.normal())
+
     # ---- Not there yet: the nearest of the above ----
 
     def _instead(self, i, closure):
@@ -185,12 +202,7 @@ class Translation:
     def _subsurface_scattering(self, i):
         return self._instead(i, m.Diffuse(i.color("Color")))
 
-    _bsdf_sheen = _bsdf_hair_principled = _subsurface_scattering
-
-    def _bsdf_toon(self, i):
-        color = i.color("Color")
-        is_glossy = i.node.component == "GLOSSY"
-        return self._instead(i, m.Glossy(color, i.number("Size")) if is_glossy else m.Diffuse(color))
+    _bsdf_hair_principled = _subsurface_scattering
 
     def _bsdf_hair(self, i):
         return self._instead(i, m.Glossy(i.color("Color"), i.number("RoughnessU")))
@@ -229,13 +241,25 @@ class Inputs:
         """The normal that is linked, or None."""
         return self.translation.values.normal_or_none(self.node, self.groups)
 
+    def number_or(self, name, otherwise):
+        """A number that not every Blender has."""
+        return self.number(name) if by_identifier(self.node.inputs, name) else otherwise
+
     def anisotropy(self, name="Anisotropy", rotation="Rotation"):
-        """Strength of the anisotropy; reads all inputs that belong to it."""
+        """(strength of the anisotropy, tangent or None)"""
         value = self.number(name)
-        if not (graph.is_constant(value) and value == 0.0):
-            self.left_out("Tangent")
-            self.taken_as({rotation: 0.0})
-        return value
+        if graph.is_constant(value) and value == 0.0:
+            return value, None
+        tangent = self.translation.values.normal_or_none(self.node, self.groups, "Tangent")
+        if tangent is None:
+            tangent = vector_input(opcodes.InputVector.RADIAL_TANGENT)
+        turns = self.number(rotation)
+        if graph.is_constant(turns) and turns == 0.0:
+            return value, tangent
+        normal = self.normal()
+        if normal is None:
+            normal = vector_input(opcodes.InputVector.NORMAL)
+        return value, turned(tangent, normal, turns)
 
     def is_multiscatter(self):
         distribution = self.node.distribution

@@ -17,7 +17,7 @@ FUNCTIONS = {**node_values.FUNCTIONS, **node_inputs.FUNCTIONS, **node_textures.F
 # What unknown nodes are taken for. Skies: averages over all directions with Blender's default settings, no sun
 SKIES = {"HOSEK_WILKIE": (0.08, 0.15, 0.22), "PREETHAM": (0.6, 0.7, 1.0)}
 LATER_SKIES = (2.0, 2.6, 3.5)
-STAND_INS = {"AMBIENT_OCCLUSION": 1.0, "TEX_GABOR": 0.5, "TEX_IES": 1.0, "WIREFRAME": 0.0}
+STAND_INS = {"AMBIENT_OCCLUSION": 1.0, "TEX_IES": 1.0, "WIREFRAME": 0.0}
 
 
 class Values:

@@ -12,6 +12,7 @@ TOLERANCE = 1e-3  # of the value, or where that is below 1 of 1
 LOOSE = {}  # name: a wider tolerance, with its reason at the case
 # The middles of pixels differ by a hundredth of a pixel, and these are steep, or jump
 STEEP = dict.fromkeys(("DIVIDE", "LOGARITHM", "WRAP", "PINGPONG", "TANGENT", "DEGREES"), 5e-3)
+EDGED = {"Brick": 0.1}
 STEEP |= dict.fromkeys(("MODULO", "FLOORED_MODULO", "SNAP"), 0.03)
 
 
@@ -295,6 +296,46 @@ for space in ("TANGENT", "OBJECT", "WORLD"):
             tree, "NormalMap", {"Color": (0.7, 0.4, 0.9, 1.0), "Strength": 0.8}, space=space
         ).outputs[0]
     )
+
+# ---- Procedural textures: which numbers go where; what they make of them is tested in test_textures ------------------
+
+
+def texture(tree, kind, output=0, **properties):
+    """A texture node with its own numbers, made uneven."""
+    node = add(tree, kind, {0: position(tree, 1.3)}, **properties)
+    for number, socket in enumerate(node.inputs):
+        if socket.type == "VALUE":
+            socket.default_value = min(max(socket.default_value * 0.9 + 0.05 * number, socket.default_value * 0.5), 3.0)
+    return node.outputs[output]
+
+
+for kind in ("Noise", "Voronoi", "Wave", "Magic", "Checker", "Brick", "Gabor"):
+    for output in (0, 1):
+        case(f"{kind} {output}", tolerance=EDGED.get(kind, 5e-3))(
+            lambda tree, kind=kind, output=output: texture(tree, f"Tex{kind}", output)
+        )
+    case(f"{kind} by default", tolerance=EDGED.get(kind, 5e-3))(
+        lambda tree, kind=kind: add(tree, f"Tex{kind}").outputs[0]
+    )
+for output in (0, 1):
+    case(f"White Noise {output}")(
+        lambda tree, output=output: add(
+            tree, "TexWhiteNoise", {0: add(tree, "VectorMath", {0: position(tree, 4.0)}, operation="FLOOR").outputs[0]}
+        ).outputs[output]
+    )
+case("Tangent UV", tolerance=0.01)(lambda tree: add(tree, "Tangent", direction_type="UV_MAP").outputs[0])
+case("Gradient")(lambda tree: texture(tree, "TexGradient", gradient_type="RADIAL"))
+case("Noise ridged", tolerance=5e-3)(
+    lambda tree: texture(tree, "TexNoise", noise_dimensions="4D", noise_type="RIDGED_MULTIFRACTAL")
+)
+case("Voronoi Smooth F1", tolerance=5e-3)(lambda tree: texture(tree, "TexVoronoi", 2, feature="SMOOTH_F1"))
+case("Voronoi edges", tolerance=5e-3)(lambda tree: texture(tree, "TexVoronoi", feature="DISTANCE_TO_EDGE"))
+case("Wave rings", tolerance=5e-3)(
+    lambda tree: texture(tree, "TexWave", wave_type="RINGS", rings_direction="Y", wave_profile="TRI")
+)
+case("Wavelength", tolerance=5e-3)(
+    lambda tree: add(tree, "Wavelength", {0: component(tree, "X", scale=150.0, offset=(550.0, 0, 0))}).outputs[0]
+)
 
 # ---- Images ----------------------------------------------------------------------------------------------------------
 

@@ -28,7 +28,10 @@ class Black:
 
 @dataclass(frozen=True)
 class Diffuse:
+    """Lambert, or with a roughness Oren and Nayar."""
+
     color: tuple = (0.8, 0.8, 0.8)
+    roughness: float = 0.0
     normal: object = None
 
 
@@ -52,6 +55,28 @@ class Glossy:
     anisotropy: float = 0.0  # -1 to 1
     multiscatter: bool = False
     normal: object = None
+    tangent: object = None
+
+
+@dataclass(frozen=True)
+class Toon:
+    """A cone of light about the normal, or (glossy) about the mirrored view; `smooth` is the width of its edge."""
+
+    color: tuple = (0.8, 0.8, 0.8)
+    size: float = 0.5
+    smooth: float = 0.0
+    is_glossy: bool = False
+    normal: object = None
+
+
+@dataclass(frozen=True)
+class Sheen:
+    """Fine fibres, or Ashikhmin's velvet."""
+
+    color: tuple = (0.8, 0.8, 0.8)
+    roughness: float = 0.5
+    is_velvet: bool = False
+    normal: object = None
 
 
 @dataclass(frozen=True)
@@ -70,6 +95,7 @@ class Metallic:
     extinction: tuple | None = None
     multiscatter: bool = False
     normal: object = None
+    tangent: object = None
 
 
 @dataclass(frozen=True)
@@ -110,6 +136,10 @@ class Principled:
     specular_tint: tuple = WHITE
     anisotropic: float = 0.0
     transmission: float = 0.0
+    diffuse_roughness: float = 0.0
+    sheen_weight: float = 0.0
+    sheen_roughness: float = 0.5
+    sheen_tint: tuple = WHITE
     coat_weight: float = 0.0
     coat_roughness: float = 0.03
     coat_ior: float = 1.5
@@ -118,6 +148,7 @@ class Principled:
     emission_strength: float = 0.0
     multiscatter: bool = True
     normal: object = None
+    tangent: object = None
 
 
 @dataclass(frozen=True)
@@ -218,6 +249,15 @@ class _Flattening:
     def _diffuse(self, c, weight):
         self._same(ClosureKind.DIFFUSE, c, weight)
 
+    def _toon(self, c, weight):
+        kind = ClosureKind.TOON_GLOSSY if c.is_glossy else ClosureKind.TOON_DIFFUSE
+        values = {"color": c.color, "roughness": c.size, "smooth": c.smooth, "normal": c.normal}
+        self._row(kind, weight, values)
+
+    def _sheen(self, c, weight):
+        kind = ClosureKind.VELVET if c.is_velvet else ClosureKind.SHEEN
+        self._row(kind, weight, {"color": c.color, "roughness": c.roughness, "normal": c.normal})
+
     def _translucent(self, c, weight):
         self._same(ClosureKind.TRANSLUCENT, c, weight)
 
@@ -230,6 +270,7 @@ class _Flattening:
 
     def _metallic(self, c, weight):
         values = {"roughness": c.roughness, "anisotropy": c.anisotropy, "normal": c.normal}
+        values["tangent"] = c.tangent
         if c.ior is not None:
             values |= {"color": c.ior, "edge_tint": c.extinction}
             self._row(ClosureKind.CONDUCTOR, weight, values, c.multiscatter)
@@ -258,7 +299,9 @@ class _Flattening:
         }
         for name in ("metallic", "roughness", "ior", "alpha", "transmission", "normal"):
             values[name] = getattr(c, name)
-        for name in ("coat_weight", "coat_roughness", "coat_ior", "coat_tint"):
+        for name in ("coat_weight", "coat_roughness", "coat_ior", "coat_tint", "diffuse_roughness", "tangent"):
+            values[name] = getattr(c, name)
+        for name in ("sheen_weight", "sheen_roughness", "sheen_tint"):
             values[name] = getattr(c, name)
         self._row(ClosureKind.PRINCIPLED, weight, values, c.multiscatter, self.layers)
 

@@ -5,6 +5,7 @@ import numpy as np
 
 from ..jit import kernel
 from ..light.background import PI, TWO_PI, make_map
+from ..linalg.color import not_negative
 from ..linalg.vec3 import Vec3, average, load3, store3
 from ..program_tables import ATTRIBUTE, ATTRIBUTE_MAP, CELL, ClosureKind
 from ..sampling.warp import square_to_triangle
@@ -140,7 +141,9 @@ def _bake_lights(scene, count, samples):
             b1, b2 = square_to_triangle(u0, u1 - np.floor(u1))
             q = load3(light, "p") + load3(light, "u") * b1 + load3(light, "v") * b2
             n = load3(light, "n")
-            total = total + light_radiance(scene, light, point, q, -n, np.float32(1.0), Visibility.DIFFUSE.value)
+            L = light_radiance(scene, light, point, q, -n, np.float32(1.0), Visibility.DIFFUSE.value)
+            if np.isfinite(average(L)):
+                total = total + not_negative(L)
         store3(light, "emission", total * (1.0 / np.float32(samples)))
 
 
@@ -180,5 +183,5 @@ def _bake_world(scene, cells, width, height, per_side):
                     set_world(point, d, Visibility.DIFFUSE.value)
                     L = run_program(scene, program, point)
                     if np.isfinite(average(L)):
-                        total = total + L
+                        total = total + not_negative(L)
             store3(cells[row * width + column], "radiance", total * share)

@@ -29,7 +29,7 @@ def add_closure(bsdf, c):
     if kind == ClosureKind.PRINCIPLED:
         add_principled(bsdf, c, weight)
     elif kind == ClosureKind.DIFFUSE:
-        new_lobe(bsdf, LobeKind.DIFFUSE, weight * load3(c, "color"), 0)
+        add_diffuse(bsdf, weight, load3(c, "color"), c.roughness, 0)
     elif kind == ClosureKind.TRANSLUCENT:
         new_lobe(bsdf, LobeKind.TRANSLUCENT, weight * load3(c, "color"), 0)
     elif kind == ClosureKind.TRANSPARENT:
@@ -44,8 +44,36 @@ def add_closure(bsdf, c):
             lobe = bsdf.lobes[i]
             lobe.ior = max(c.ior, SMALLEST_IOR)
             set_alphas(lobe, c.roughness, ONE)
+    elif kind >= ClosureKind.TOON_DIFFUSE:
+        add_cloth(bsdf, c, weight * load3(c, "color"))
     else:
         add_metal(bsdf, c, weight)
+
+
+@kernel
+def add_diffuse(bsdf, weight, color, roughness, layer):
+    if roughness < NEGLIGIBLE:
+        new_lobe(bsdf, LobeKind.DIFFUSE, weight * color, layer)
+        return
+    i = new_lobe(bsdf, LobeKind.ROUGH_DIFFUSE, weight * color, layer)
+    if i >= 0:
+        bsdf.lobes[i].alpha_x = saturate(roughness)
+        store3(bsdf.lobes[i], "f0", color)
+
+
+@kernel
+def add_cloth(bsdf, c, weight):
+    """Sheen, velvet and toon: what is not of microfacets, and has its roughness as it is."""
+    kind = LobeKind.SHEEN
+    if c.kind == ClosureKind.VELVET:
+        kind = LobeKind.VELVET
+    elif c.kind == ClosureKind.TOON_DIFFUSE:
+        kind = LobeKind.TOON_DIFFUSE
+    elif c.kind == ClosureKind.TOON_GLOSSY:
+        kind = LobeKind.TOON_GLOSSY
+    i = new_lobe(bsdf, kind, weight, 0)
+    if i >= 0:
+        bsdf.lobes[i].alpha_x, bsdf.lobes[i].alpha_y = saturate(c.roughness), saturate(c.smooth)
 
 
 @kernel
@@ -71,7 +99,7 @@ def add_metal(bsdf, c, weight):
 
 @kernel
 def add_principled(bsdf, c, weight):
-    """The order of the layers is that of Cycles: see-through, coat, metal, glass, specular, base."""
+    """The order of the layers is that of Cycles: see-through, sheen, coat, metal, glass, specular, base."""
     alpha, metallic, transmission = saturate(c.alpha), saturate(c.metallic), saturate(c.transmission)
     color = load3(c, "color")
     base = Vec3(max(color.x, ZERO), max(color.y, ZERO), max(color.z, ZERO))
@@ -81,6 +109,12 @@ def add_principled(bsdf, c, weight):
 
     new_lobe(bsdf, LobeKind.TRANSPARENT, weight * (1.0 - alpha), 0)
     weight = weight * alpha
+    if c.sheen_weight > NEGLIGIBLE:
+        sheen_tint = load3(c, "sheen_tint") * c.sheen_weight
+        i = new_lobe(bsdf, LobeKind.SHEEN, weight * sheen_tint, c.layer)
+        if i >= 0:
+            bsdf.lobes[i].alpha_x = saturate(c.sheen_roughness)
+            bsdf.lobes[i].covers = saturate(max_component(sheen_tint))
     if c.coat_weight > NEGLIGIBLE:
         coat_weight = saturate(c.coat_weight)
         i = new_lobe(bsdf, LobeKind.COATING, weight * coat_weight, c.layer)
@@ -117,7 +151,7 @@ def add_principled(bsdf, c, weight):
             store3(specular, "f0", tint)
             specular.multiscatter = c.multiscatter
             set_alphas(specular, c.roughness, stretch)
-    new_lobe(bsdf, LobeKind.DIFFUSE, weight * base, c.layer)
+    add_diffuse(bsdf, weight, base, c.diffuse_roughness, c.layer)
 
 
 @kernel

@@ -9,7 +9,7 @@ from ..jit import kernel
 from ..linalg.frame import frame_from_normal
 from ..linalg.records import copy_record
 from ..linalg.registers import call
-from ..linalg.vec3 import load3, store3
+from ..linalg.vec3 import cross, dot, load3, normalize, store3
 from ..tables import LobeKind
 from .opcodes import Entry
 
@@ -38,7 +38,13 @@ def fill_bsdf(scene, it, point, bsdf, keep_reflections, keep_refractions):
             copy_record(bsdf.lobes[i], scene.lobes[material.lobes + i])
     if not (keep_reflections and keep_refractions):
         drop_caustics(bsdf, keep_reflections, keep_refractions)
-    s, t = frame_from_normal(load3(bsdf, "n"))
+    n = load3(bsdf, "n")
+    s, t = frame_from_normal(n)
+    if material.program > 0:
+        along = cross(n, load3(bsdf, "s"))  # the program's tangent, or zero
+        if dot(along, along) > 1e-12:
+            t = normalize(along)
+            s = cross(t, n)
     store3(bsdf, "s", s)
     store3(bsdf, "t", t)
 

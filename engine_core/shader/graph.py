@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .opcodes import SIGNATURES, Op
+from .opcodes import SIGNATURES, Math, Op
 
 
 class GraphError(ValueError):
@@ -124,7 +124,7 @@ def product(a, b):
     for x, y in ((a, b), (b, a)):
         if is_constant(x) and x in (0.0, 1.0):
             return 0.0 if x == 0.0 else y
-    return node(Op.MATH, a, b, 0.0, mode=2)
+    return node(Op.MATH, a, b, 0.0, mode=Math.MULTIPLY)
 
 
 def clamped(value):
@@ -136,7 +136,7 @@ def clamped(value):
 
 def complement(value):
     """1 - a number."""
-    return 1.0 - value if is_constant(value) else node(Op.MATH, 1.0, value, 0.0, mode=1)
+    return 1.0 - value if is_constant(value) else node(Op.MATH, 1.0, value, 0.0, mode=Math.SUBTRACT)
 
 
 def nodes_below(values):

@@ -8,9 +8,9 @@ from ..linalg.frame import frame_from_normal
 from ..linalg.registers import store_float
 from ..linalg.transform import transform_normal, transform_point
 from ..linalg.vec3 import BLACK, Vec3, cross, dot, length, load3, load3_at, reflect
+from ..linalg.vector_math import safe_normalize
 from ..shape import dispatch as shapes
 from ..tables import CameraKind, TreeKind, Visibility
-from .maths import unit
 from .opcodes import InputNumber, InputVector, Op
 from .operands import give_number, give_vector
 
@@ -125,7 +125,7 @@ def object_vector(scene, point, mode, p):
     """What only objects have. `p`: world space."""
     instance = scene.instances[point.instance]
     if mode == InputVector.OBJECT_NORMAL:
-        return unit(transform_normal(instance, "to_world", load3(point, "ns")))
+        return safe_normalize(transform_normal(instance, "to_world", load3(point, "ns")))
     if mode == InputVector.OBJECT_LOCATION:
         return transform_point(instance, "to_world", BLACK)
     if mode == InputVector.OBJECT_COLOR:
@@ -140,7 +140,7 @@ def object_vector(scene, point, mode, p):
         return p
     around = transform_normal(instance, "to_object", Vec3(0.5 - p.y, p.x - 0.5, 0.0))  # RADIAL_TANGENT
     n = load3(point, "ns")
-    return cross(n, unit(cross(around, n)))
+    return cross(n, safe_normalize(cross(around, n)))
 
 
 # ---- A bit further along the surface ---------------------------------------------------------------------------------

@@ -6,9 +6,10 @@ import numpy as np
 from ..jit import kernel
 from ..linalg.transform import transform_normal
 from ..linalg.vec3 import BLACK, Vec3, load3
+from ..linalg.vector_math import safe_normalize
 from ..texture import image as images
 from ..texture.image import Rgba
-from .maths import saturate, unit
+from .maths import saturate
 from .opcodes import UNASSOCIATE, Op, Projection
 from .operands import give_both, number, vector
 
@@ -21,7 +22,7 @@ def run(scene, op, point, registers):
     image = scene.images[op.data]
     projection = (op.mode >> 4) & 3
     if op.code == Op.ENVIRONMENT:
-        w = unit(p)
+        w = safe_normalize(p)
         u, v = images.equirectangular(w) if projection == 0 else images.mirror_ball(w)
         rgba = look(scene, op, image, u, v)
     elif projection == Projection.BOX:
@@ -46,7 +47,7 @@ def object_normal(scene, point):
     n = load3(point, "ns")
     if point.instance < 0:
         return n
-    return unit(transform_normal(scene.instances[point.instance], "to_world", n))
+    return safe_normalize(transform_normal(scene.instances[point.instance], "to_world", n))
 
 
 @kernel

@@ -13,12 +13,12 @@ from ..jit import kernel
 from ..linalg.records import copy_record, scratch_record
 from ..linalg.registers import call, load_float, load_vector, store_float, store_vector
 from ..linalg.vec3 import BLACK, dot, is_black, load3, store3
+from ..linalg.vector_math import safe_normalize
 from ..program_tables import CLOSURE, REGISTERS
 from ..shape.interaction import make_interaction
 from ..tables import LightKind, TreeKind
 from .closures import add_closure
 from .inputs import barycentrics_at
-from .maths import unit
 from .point import set_surface, set_world
 
 ZERO = np.float32(0.0)
@@ -51,7 +51,8 @@ def run_surface(scene, program, point, bsdf):
             if is_black(tangent):
                 tangent = load3(closure, "tangent")
     if not is_black(normal):
-        store3(bsdf, "n", seen(point, unit(normal)))
+        store3(bsdf, "n", seen(point, safe_normalize(normal)))
+    store3(bsdf, "s", tangent)
 
 
 def run_value(scene, program, point, unused):
@@ -114,4 +115,4 @@ def seen(point, n):
     if dot(n, load3(point, "ng")) < 0.0:
         n = -n
     cosine = dot(n, wo)
-    return n if cosine >= MOST_SLANTED else unit(n + wo * (MOST_SLANTED - cosine))
+    return n if cosine >= MOST_SLANTED else safe_normalize(n + wo * (MOST_SLANTED - cosine))

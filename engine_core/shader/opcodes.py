@@ -7,6 +7,18 @@ Members of the modes have the names that Blender gives to them, in the order of 
 from enum import IntEnum
 from typing import NamedTuple
 
+from ..linalg.blend import BlendMode as Blend
+from ..linalg.color import ColorModel
+from ..linalg.scalar_math import Interpolation as Range
+from ..linalg.scalar_math import MathOp as Math
+from ..linalg.vector_math import MappingKind as Mapping
+from ..linalg.vector_math import RotationKind as Rotation
+from ..linalg.vector_math import VectorMathOp as VectorMath
+from ..texture.gradient import GradientKind as Gradient
+from ..texture.noise import NoiseKind
+from ..texture.voronoi import VoronoiFeature, VoronoiMetric
+from ..texture.wave import WaveDirection, WaveKind, WaveProfile
+
 
 class Entry(IntEnum):
     """Rows of KERNEL: the entry points of the machine, and the families of its operations."""
@@ -22,6 +34,7 @@ class Entry(IntEnum):
     PATTERN = 8
     NOISE = 9
     VORONOI = 10
+    GABOR = 11
 
 
 class Op(IntEnum):
@@ -50,6 +63,7 @@ class Op(IntEnum):
     SEPARATE_COLOR = 38
     COMBINE_COLOR = 39
     BLACKBODY = 40
+    WAVELENGTH = 41
     MAPPING = 50
     TRANSFORM = 51
     ROTATE = 52
@@ -62,8 +76,13 @@ class Op(IntEnum):
     ENVIRONMENT = 71
     CHECKER = 80
     GRADIENT = 81
+    MAGIC = 82
+    WHITE_NOISE = 83
+    BRICK = 84
+    WAVE = 85
     NOISE = 90
     VORONOI = 100
+    GABOR = 110
 
 
 class InputVector(IntEnum):
@@ -107,132 +126,6 @@ class InputNumber(IntEnum):
     VIEW_DISTANCE = 19
 
 
-class Math(IntEnum):
-    ADD = 0
-    SUBTRACT = 1
-    MULTIPLY = 2
-    DIVIDE = 3
-    MULTIPLY_ADD = 4
-    POWER = 5
-    LOGARITHM = 6
-    SQRT = 7
-    INVERSE_SQRT = 8
-    ABSOLUTE = 9
-    EXPONENT = 10
-    MINIMUM = 11
-    MAXIMUM = 12
-    LESS_THAN = 13
-    GREATER_THAN = 14
-    SIGN = 15
-    COMPARE = 16
-    SMOOTH_MIN = 17
-    SMOOTH_MAX = 18
-    ROUND = 19
-    FLOOR = 20
-    CEIL = 21
-    TRUNC = 22
-    FRACT = 23
-    MODULO = 24
-    FLOORED_MODULO = 25
-    WRAP = 26
-    SNAP = 27
-    PINGPONG = 28
-    SINE = 29
-    COSINE = 30
-    TANGENT = 31
-    ARCSINE = 32
-    ARCCOSINE = 33
-    ARCTANGENT = 34
-    ARCTAN2 = 35
-    SINH = 36
-    COSH = 37
-    TANH = 38
-    RADIANS = 39
-    DEGREES = 40
-
-
-class VectorMath(IntEnum):
-    ADD = 0
-    SUBTRACT = 1
-    MULTIPLY = 2
-    DIVIDE = 3
-    MULTIPLY_ADD = 4
-    CROSS_PRODUCT = 5
-    PROJECT = 6
-    REFLECT = 7
-    REFRACT = 8
-    FACEFORWARD = 9
-    DOT_PRODUCT = 10
-    DISTANCE = 11
-    LENGTH = 12
-    SCALE = 13
-    NORMALIZE = 14
-    ABSOLUTE = 15
-    POWER = 16
-    SIGN = 17
-    MINIMUM = 18
-    MAXIMUM = 19
-    FLOOR = 20
-    CEIL = 21
-    FRACTION = 22
-    MODULO = 23
-    WRAP = 24
-    SNAP = 25
-    SINE = 26
-    COSINE = 27
-    TANGENT = 28
-    ROUND = 29
-
-
-class Blend(IntEnum):
-    MIX = 0
-    DARKEN = 1
-    MULTIPLY = 2
-    BURN = 3
-    LIGHTEN = 4
-    SCREEN = 5
-    DODGE = 6
-    ADD = 7
-    OVERLAY = 8
-    SOFT_LIGHT = 9
-    LINEAR_LIGHT = 10
-    DIFFERENCE = 11
-    EXCLUSION = 12
-    SUBTRACT = 13
-    DIVIDE = 14
-    HUE = 15
-    SATURATION = 16
-    COLOR = 17
-    VALUE = 18
-
-
-class Range(IntEnum):
-    LINEAR = 0
-    STEPPED = 1
-    SMOOTHSTEP = 2
-    SMOOTHERSTEP = 3
-
-
-class ColorSpace(IntEnum):
-    HSV = 0
-    HSL = 1
-
-
-class Mapping(IntEnum):
-    POINT = 0
-    TEXTURE = 1
-    VECTOR = 2
-    NORMAL = 3
-
-
-class Rotation(IntEnum):
-    AXIS_ANGLE = 0
-    X_AXIS = 1
-    Y_AXIS = 2
-    Z_AXIS = 3
-    EULER_XYZ = 4
-
-
 class Space(IntEnum):
     """CHANGE_SPACE: `mode` is kind * 9 + from * 3 + to, kind being 0 for a point, 1 for a vector, 2 for a normal."""
 
@@ -273,20 +166,29 @@ class Panorama(IntEnum):
     MIRROR_BALL = 1
 
 
-class Gradient(IntEnum):
-    LINEAR = 0
-    QUADRATIC = 1
-    EASING = 2
-    DIAGONAL = 3
-    SPHERICAL = 4
-    QUADRATIC_SPHERE = 5
-    RADIAL = 6
-
-
 UNASSOCIATE = 64  # IMAGE: a flag of its mode: divide colours by alpha
 INVERTED = 1  # BUMP
 CLAMPED = 32  # MAP_RANGE, ROTATE and others: a flag of their modes: clamp the result, or the factor; or turn back
 CLAMPED_RESULT = 64  # MATH, BLEND
+MOST_EVERY = 100  # BRICK: its mode holds two numbers below this
+
+
+__all__ = [  # the modes that other rooms define
+    "Blend",
+    "ColorModel",
+    "Gradient",
+    "Mapping",
+    "Math",
+    "NoiseKind",
+    "Range",
+    "Rotation",
+    "VectorMath",
+    "VoronoiFeature",
+    "VoronoiMetric",
+    "WaveDirection",
+    "WaveKind",
+    "WaveProfile",
+]
 
 
 class Signature(NamedTuple):
@@ -323,9 +225,10 @@ SIGNATURES = {
     Op.RAMP: Signature(Entry.COLOR, (1,), 4, 2, "curves"),
     Op.CURVES: Signature(Entry.COLOR, (1, 3, 1, 1), 3, 2, "curves"),
     Op.CURVE: Signature(Entry.COLOR, (1, 1, 1, 1), 1, 2, "curves"),
-    Op.SEPARATE_COLOR: Signature(Entry.COLOR, (3,), 3, len(ColorSpace)),
-    Op.COMBINE_COLOR: Signature(Entry.COLOR, (3,), 3, len(ColorSpace)),
+    Op.SEPARATE_COLOR: Signature(Entry.COLOR, (3,), 3, len(ColorModel)),
+    Op.COMBINE_COLOR: Signature(Entry.COLOR, (3,), 3, len(ColorModel)),
     Op.BLACKBODY: Signature(Entry.COLOR, (1,), 3, 1),
+    Op.WAVELENGTH: Signature(Entry.COLOR, (1,), 3, 1),
     Op.MAPPING: Signature(Entry.VECTOR, (3, 3, 3, 3), 3, len(Mapping)),
     Op.TRANSFORM: Signature(Entry.VECTOR, (3, 3, 3, 3, 3), 3, 1),
     Op.ROTATE: Signature(Entry.VECTOR, (3, 3, 3, 1, 3), 3, 2 * CLAMPED),
@@ -338,4 +241,11 @@ SIGNATURES = {
     Op.ENVIRONMENT: Signature(Entry.IMAGE, (3,), 4, 2 * UNASSOCIATE, "images"),
     Op.CHECKER: Signature(Entry.PATTERN, (3, 3, 3, 1), 4, 1),
     Op.GRADIENT: Signature(Entry.PATTERN, (3,), 1, len(Gradient)),
+    Op.MAGIC: Signature(Entry.PATTERN, (3, 1, 1), 3, 11),
+    Op.WHITE_NOISE: Signature(Entry.PATTERN, (3, 1), 4, 5),
+    Op.BRICK: Signature(Entry.PATTERN, (3, 3, 3, 3, 1, 1, 1, 1, 1, 1, 1, 1), 4, MOST_EVERY**2),
+    Op.WAVE: Signature(Entry.PATTERN, (3, 1, 1, 1, 1, 1, 1), 1, 24),
+    Op.NOISE: Signature(Entry.NOISE, (3, 1, 1, 1, 1, 1, 1, 1, 1), 4, 256),
+    Op.VORONOI: Signature(Entry.VORONOI, (3, 1, 1, 1, 1, 1, 1, 1, 1), 9, 512),
+    Op.GABOR: Signature(Entry.GABOR, (3, 1, 1, 1, 1, 3), 3, 4),
 }

@@ -9,8 +9,8 @@ from ..jit import kernel
 from ..linalg.frame import frame_from_normal
 from ..linalg.transform import transform_normal, transform_point, transform_vector
 from ..linalg.vec3 import BLACK, Vec3, cross, dot, is_black, load3
-from .maths import divide, unit
-from .opcodes import CLAMPED, INVERTED, Mapping, NormalSpace, Op, Rotation, Space
+from ..linalg.vector_math import mapping, rotate, safe_normalize
+from .opcodes import CLAMPED, INVERTED, NormalSpace, Op, Space
 from .operands import give_number, give_vector, number, vector
 
 ONE = np.float32(1.0)
@@ -20,13 +20,18 @@ def run(scene, op, point, registers):
     """One step: see `opcodes.SIGNATURES`."""
     code = op.code
     if code == Op.MAPPING:
-        mapping(op, registers)
+        location, rotation = vector(op, registers, 1), vector(op, registers, 2)
+        give_vector(
+            op, registers, mapping(op.mode, vector(op, registers, 0), location, rotation, vector(op, registers, 3))
+        )
     elif code == Op.TRANSFORM:
         p, x, y = vector(op, registers, 0), vector(op, registers, 1), vector(op, registers, 2)
         z, offset = vector(op, registers, 3), vector(op, registers, 4)
         give_vector(op, registers, Vec3(dot(x, p), dot(y, p), dot(z, p)) + offset)
     elif code == Op.ROTATE:
-        rotate(op, registers)
+        v, centre, axis = vector(op, registers, 0), vector(op, registers, 1), vector(op, registers, 2)
+        angle, euler, back = number(op, registers, 3), vector(op, registers, 4), op.mode & CLAMPED != 0
+        give_vector(op, registers, rotate(op.mode & ~CLAMPED, v, centre, axis, angle, euler, back))
     elif code == Op.CHANGE_SPACE:
         change_space(scene, op, point, registers)
     elif code == Op.BUMP:
@@ -38,80 +43,6 @@ def run(scene, op, point, registers):
         give_number(op, registers, fresnel(point, vector(op, registers, 1), 1.0 / ior if point.backfacing else ior))
     elif code == Op.LAYER_WEIGHT:
         layer_weight(op, point, registers)
-
-
-# ---- Rotations -------------------------------------------------------------------------------------------------------
-
-
-@kernel
-def rotation_rows(angles):
-    """Rows of the matrix that turns about x, then y, then z."""
-    sx, cx = math.sin(angles.x), math.cos(angles.x)
-    sy, cy = math.sin(angles.y), math.cos(angles.y)
-    sz, cz = math.sin(angles.z), math.cos(angles.z)
-    return (
-        Vec3(cy * cz, sy * sx * cz - cx * sz, sy * cx * cz + sx * sz),
-        Vec3(cy * sz, sy * sx * sz + cx * cz, sy * cx * sz - sx * cz),
-        Vec3(-sy, cy * sx, cy * cx),
-    )
-
-
-@kernel
-def turned(angles, v, back):
-    """`v` turned by angles about x, y and z; or turned back."""
-    x, y, z = rotation_rows(angles)
-    if back:
-        return x * v.x + y * v.y + z * v.z
-    return Vec3(dot(x, v), dot(y, v), dot(z, v))
-
-
-@kernel
-def divided(a, b):
-    return Vec3(divide(a.x, b.x), divide(a.y, b.y), divide(a.z, b.z))
-
-
-@kernel
-def mapping(op, registers):
-    """Blender's Mapping node."""
-    v, location = vector(op, registers, 0), vector(op, registers, 1)
-    rotation, scale = vector(op, registers, 2), vector(op, registers, 3)
-    if op.mode == Mapping.TEXTURE:
-        v = divided(turned(rotation, v - location, True), scale)
-    elif op.mode == Mapping.NORMAL:
-        v = unit(turned(rotation, divided(v, scale), False))
-    else:
-        v = turned(rotation, v * scale, False)
-        if op.mode == Mapping.POINT:
-            v = v + location
-    give_vector(op, registers, v)
-
-
-@kernel
-def around(v, axis, angle):
-    """`v` turned about a unit axis (Rodrigues)."""
-    c, s = math.cos(angle), math.sin(angle)
-    return v * c + cross(axis, v) * s + axis * (dot(axis, v) * (1.0 - c))
-
-
-@kernel
-def rotate(op, registers):
-    """Blender's Vector Rotate; a flag of the mode turns back."""
-    centre, axis, angle = vector(op, registers, 1), vector(op, registers, 2), number(op, registers, 3)
-    v = vector(op, registers, 0) - centre
-    back = (op.mode & CLAMPED) != 0
-    kind = op.mode & ~CLAMPED
-    if kind == Rotation.EULER_XYZ:
-        v = turned(vector(op, registers, 4), v, back)
-    else:
-        if kind == Rotation.X_AXIS:
-            axis = Vec3(1.0, 0.0, 0.0)
-        elif kind == Rotation.Y_AXIS:
-            axis = Vec3(0.0, 1.0, 0.0)
-        elif kind == Rotation.Z_AXIS:
-            axis = Vec3(0.0, 0.0, 1.0)
-        if not is_black(axis):
-            v = around(v, unit(axis), -angle if back else angle)
-    give_vector(op, registers, v + centre)
 
 
 # ---- Spaces ----------------------------------------------------------------------------------------------------------
@@ -139,7 +70,7 @@ def change_space(scene, op, point, registers):
             v = v - transform_point(camera, "to_world", BLACK)
         v = transform_normal(camera, "to_world", v)
         v = Vec3(v.x, v.y, -v.z)
-    give_vector(op, registers, unit(v) if kind == 2 else v)
+    give_vector(op, registers, safe_normalize(v) if kind == 2 else v)
 
 
 # ---- Normals ---------------------------------------------------------------------------------------------------------
@@ -167,10 +98,10 @@ def bump(op, point, registers):
     rs, rt = cross(dt, n), cross(n, ds)
     det = dot(ds, rs)
     gradient = rs * slope_s + rt * slope_t
-    tilted = unit(n * abs(det) - gradient * math.copysign(distance, distance * det))
+    tilted = safe_normalize(n * abs(det) - gradient * math.copysign(distance, distance * det))
     if is_black(tilted):
         tilted = n
-    give_vector(op, registers, unit(tilted * strength + n * (1.0 - strength)))
+    give_vector(op, registers, safe_normalize(tilted * strength + n * (1.0 - strength)))
 
 
 @kernel
@@ -184,17 +115,17 @@ def normal_map(scene, op, point, registers):
         tangent, sign = vector(op, registers, 2), number(op, registers, 3)
         if point.instance >= 0:
             tangent = transform_vector(scene.instances[point.instance], "to_world", tangent)
-        tangent = unit(tangent)
+        tangent = safe_normalize(tangent)
         if is_black(tangent):
             tangent, _ = frame_from_normal(outside)
-        mapped = unit(tangent * v.x + cross(outside, tangent) * (sign * v.y) + outside * v.z)
+        mapped = safe_normalize(tangent * v.x + cross(outside, tangent) * (sign * v.y) + outside * v.z)
     elif op.mode == NormalSpace.OBJECT and point.instance >= 0:
-        mapped = unit(transform_normal(scene.instances[point.instance], "to_object", v))
+        mapped = safe_normalize(transform_normal(scene.instances[point.instance], "to_object", v))
     else:
-        mapped = unit(v)
+        mapped = safe_normalize(v)
     if point.backfacing:
         mapped = -mapped
-    mapped = unit(n + (mapped - n) * strength)
+    mapped = safe_normalize(n + (mapped - n) * strength)
     give_vector(op, registers, n if is_black(mapped) else mapped)
 
 
