@@ -353,7 +353,10 @@ def parser():
 
     sub = add("bench", command_bench, "measure how fast Lambent is")
     sub.add_argument(
-        "parts", nargs="*", metavar="PART", help="rays, scaling, noise, profile, compile, export, build (default: all)"
+        "parts",
+        nargs="*",
+        metavar="PART",
+        help="rays, scaling, noise, integrators, profile, compile, export, build (default: all)",
     )
     sub.add_argument("--json", metavar="FILE", help="write the figures to a file")
     sub.add_argument("--quick", action="store_true", help="small and coarse, to see that it runs")

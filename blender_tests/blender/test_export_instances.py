@@ -310,3 +310,34 @@ def test_the_scene_decides_whether_the_film_is_transparent(scene):
     for value in (True, False):
         scene.render.film_transparent = value
         assert export_as_a_render()[2] == {"transparent_background": int(value)}
+
+
+# ---- What the mixture integrator aims at -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("aim", ["AUTOMATIC", "ALWAYS", "NEVER"])
+def test_it_is_told_whether_to_aim_at_an_object(registered, aim):
+    """Each object has its own choice, instances too, though they share a mesh."""
+    shared = square()
+    add("Plain", shared)
+    add("Chosen", shared).lambent.aim = aim
+    parts = bpy.data.collections.new("Parts")
+    parts.objects.link(bpy.data.objects.new("Part", shared))
+    parts.objects[0].lambent.aim = aim
+    add("Instancer", None, instance_type="COLLECTION", instance_collection=parts)
+    builder, _ = export()
+
+    aims = {p.name: p.aim.name for p in builder.placements}
+
+    assert aims == {"Plain": "AUTOMATIC", "Chosen": aim, "Part": aim}
+
+
+def test_a_lamp_can_be_left_out_of_aiming(registered):
+    for name, kind in (("Point", "POINT"), ("Spot", "SPOT"), ("Sun", "SUN"), ("Area", "AREA")):
+        lamp = bpy.data.lights.new(name, kind)
+        lamp.energy = 10
+        add(name, lamp)
+        add(f"{name} left out", lamp).lambent.aim = "NEVER"
+    builder, _ = export()
+
+    assert sorted(int(light["aimed_at"]) for light in builder.lights) == [0, 0, 0, 0, 1, 1, 1, 1]

@@ -4,6 +4,7 @@
 import numpy as np
 import pytest
 
+from blender_tests.bench.leaks import measure as measure_leaks
 from blender_tests.core.test_accel_build import TRIANGLES, soup
 from blender_tests.helpers.rays import blocked, bumpy_sphere, closest, geometry_scene, lamps
 from engine_core.tables import SHAPE, ShapeKind, TreeKind, Visibility
@@ -154,6 +155,13 @@ def test_no_ray_escapes_from_a_closed_surface():
         d = targets - o
         assert (closest(scene, o, d)["prim"] >= 0).all()
         assert blocked(scene, o, d).all()
+
+
+def test_of_a_million_rays_none_escapes_from_a_closed_surface():
+    """At edges and at random; the bench part `leaks` sends a hundred million into a million triangles."""
+    result = measure_leaks(rings=90, rays=1_000_000)
+    assert result["triangles"] > 30_000
+    assert result["escaped"] == result["not_occluded"] == 0
 
 
 # ---- Instances and shapes --------------------------------------------------------------------------------------------
