@@ -356,7 +356,7 @@ def parser():
         "parts",
         nargs="*",
         metavar="PART",
-        help="rays, scaling, noise, integrators, profile, compile, export, build (default: all)",
+        help="rays, scaling, noise, integrators, profile, textures, compile, export, build (default: all)",
     )
     sub.add_argument("--json", metavar="FILE", help="write the figures to a file")
     sub.add_argument("--quick", action="store_true", help="small and coarse, to see that it runs")

@@ -46,7 +46,8 @@ CONSTANT_OF_ZERO = {
 
 
 def vector_math_cases():
-    for op in VectorMathOp:
+    offered = bpy.types.ShaderNodeVectorMath.bl_rna.properties["operation"].enum_items
+    for op in (op for op in VectorMathOp if op.name in offered):
         inputs = {"Vector": "p", "Vector_001": "q", "Vector_002": (0.3, -0.4, 0.9), "Scale": "w"}
 
         def ours(p, q, w, op=op):
@@ -226,9 +227,12 @@ def test_a_node_is_what_cycles_makes_of_it(case, tiles):
     ids=lambda value: getattr(value, "__name__", ""),
 )
 def test_members_are_named_and_numbered_as_in_blender(enum, kind, name):
+    """Older versions of Blender lack some."""
     items = getattr(bpy.types, f"ShaderNode{kind}").bl_rna.properties[name].enum_items
+    ours = {member.name: member.value for member in enum}
 
-    assert {member.name: member.value for member in enum} == {item.identifier: item.value for item in items}
+    assert {item.identifier: item.value for item in items}.items() <= ours.items()
+    assert bpy.app.version < (5, 2) or len(items) == len(ours)
 
 
 def test_both_kinds_of_directions_of_waves_are_known():

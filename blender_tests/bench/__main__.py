@@ -20,7 +20,19 @@ from rich.table import Table
 from .quiet import progress_bar, quiet_blender
 
 SCENES = Path(__file__).parents[2] / "scenes_blend"
-PARTS = ("rays", "scaling", "noise", "integrators", "profile", "compile", "export", "build", "large", "leaks")
+PARTS = (
+    "rays",
+    "scaling",
+    "noise",
+    "integrators",
+    "profile",
+    "textures",
+    "compile",
+    "export",
+    "build",
+    "large",
+    "leaks",
+)
 
 
 def main():

@@ -13,7 +13,7 @@ from blender_tests.helpers.chi_square import integrate_over_cells
 from engine_core.bsdf import fresnel, microfacet
 from engine_core.jit import kernel
 from engine_core.linalg.vec3 import Vec3
-from engine_core.tables import LobeKind
+from engine_core.tables import TRANSMITTING, LobeKind
 
 # Toon is a style of drawing; the table of sheen is fitted to one view at a time.
 NOT_RECIPROCAL = {"TOON_DIFFUSE", "TOON_GLOSSY", "SHEEN"}
@@ -185,6 +185,16 @@ def test_swapping_the_directions_changes_nothing(case):
         found = max(found, there.max())
         assert there == pytest.approx(back, rel=2e-3)
     assert found > 0.0
+
+
+@pytest.mark.parametrize("kind", sorted(set(LobeKind) - {LobeKind.TRANSPARENT}))
+def test_kinds_that_let_light_through_are_listed(kind):
+    """Lights behind a surface are looked for by that list. Straight through is left to the shadow ray."""
+    wo, passes = direction(30.0), False
+    for fields in (fields for case, fields in ALL_CASES.values() if case == kind):
+        s = sample_many(make_bsdf(lobe(kind, **fields), wo=wo), wo, 500)
+        passes |= bool(((s.wi[:, 2] < 0.0) & (s.pdf > 0.0)).any())
+    assert passes == (kind in TRANSMITTING)
 
 
 @pytest.mark.parametrize("case", ALL_CASES)
