@@ -44,7 +44,7 @@ def test_the_command_line_renders_it(scene, tmp_path, capsys):
     save_scene(path, scene, settings(24, samples=2))
     assert main(["render", str(path), "-o", str(output), "--samples", "3"]) == 0
     assert np.load(output).shape == (24, 24, 4)
-    assert "3 samples" in capsys.readouterr().out
+    assert "Sample 3/3" in capsys.readouterr().out
     assert main(["info", str(path)]) == 0
     assert "triangles" in capsys.readouterr().out
 

@@ -166,6 +166,7 @@ class ManyLights(Tables):
     lights = LIGHT
     light_nodes = LIGHT_NODE
     world = WORLD
+    world_map = CELL
 
 
 def many_lights(rows):
@@ -174,7 +175,7 @@ def many_lights(rows):
     world = np.zeros(1, WORLD)
     world["light_count"] = len(rows)
     nodes = prepare_selection(rows, world)
-    return ManyLights(lights=rows, light_nodes=nodes, world=world)
+    return ManyLights(lights=rows, light_nodes=nodes, world=world, world_map=np.zeros(0, CELL))
 
 
 @kernel
