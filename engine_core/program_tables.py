@@ -22,6 +22,7 @@ class ClosureKind(IntEnum):
     TOON_GLOSSY = 10
     SHEEN = 11
     VELVET = 12
+    ASHIKHMIN_SHIRLEY = 13
 
 
 class TexelFormat(IntEnum):

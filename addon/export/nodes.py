@@ -37,7 +37,10 @@ def material_surface(context, b_material):
         translation.warn(output, "volumes are not rendered yet; only the surface is")
         if source(surface, ()).node is None:
             return m.Transparent()
-    return translation.closure(surface, ())
+    closure = translation.closure(surface, ())
+    if len(translation.normals) > 1:
+        translation.warn(output, "its shaders have different normals; all of them get the first that is linked")
+    return closure
 
 
 def world_radiance(context, b_world):
@@ -71,6 +74,7 @@ class Translation:
     def __init__(self, context, owner):
         self.context, self.owner = context, owner
         self.values = Values(context, self.warn)
+        self.normals = set()  # of its shaders
         self.depth = self.count = 0
 
     def warn(self, node, text):
@@ -131,7 +135,11 @@ class Translation:
 
     def _bsdf_glossy(self, i):
         anisotropy, tangent = i.anisotropy()
-        return m.Glossy(i.color("Color"), i.number("Roughness"), anisotropy, i.is_multiscatter(), i.normal(), tangent)
+        is_ashikhmin = i.node.distribution == "ASHIKHMIN_SHIRLEY"
+        multiscatter = not is_ashikhmin and i.is_multiscatter()
+        return m.Glossy(
+            i.color("Color"), i.number("Roughness"), anisotropy, multiscatter, i.normal(), tangent, is_ashikhmin
+        )
 
     def _bsdf_metallic(self, i):
         i.taken_as({"Thin Film Thickness": 0.0})
@@ -239,7 +247,9 @@ class Inputs:
 
     def normal(self):
         """The normal that is linked, or None."""
-        return self.translation.values.normal_or_none(self.node, self.groups)
+        normal = self.translation.values.normal_or_none(self.node, self.groups)
+        self.translation.normals.add(normal)
+        return normal
 
     def number_or(self, name, otherwise):
         """A number that not every Blender has."""

@@ -13,6 +13,7 @@ from blender_tests.helpers.shader_nodes import (
     link,
     material_tree,
     node,
+    numbers,
     output_node,
     socket,
     surface,
@@ -71,7 +72,7 @@ def test_a_node_becomes_its_closure(tree, kind, inputs, expected):
         b_node.distribution = "GGX" if kind == "BsdfRefraction" else "MULTI_GGX"
     closure = surface(tree, b_node)
     assert type(closure) is type(expected)
-    assert vars(closure) == close(expected)
+    assert numbers(closure) == close(expected)
 
 
 def test_a_physical_metal_has_a_complex_index_of_refraction(tree):
@@ -148,6 +149,21 @@ def test_a_material_without_nodes_is_diffuse():
     closure, warnings = translated(b_material)
     assert closure.color == pytest.approx(RGB)
     assert warnings == []
+
+
+def test_shaders_of_different_normals_are_told(tree):
+    mix, bump = node(tree, "MixShader"), node(tree, "Bump")
+    tree.links.new(tree.nodes.new("ShaderNodeTexNoise").outputs[0], bump.inputs["Height"])
+    for kind, identifier in (("BsdfDiffuse", "Shader"), ("BsdfGlass", "Shader_001")):
+        shader = node(tree, kind)
+        link(tree, shader, mix, identifier)
+        if kind == "BsdfGlass":
+            link(tree, bump, shader, "Normal")
+    link(tree, mix, output_node(tree))
+    closure, warnings = translated()
+    assert closure.a.normal is None
+    assert closure.b.normal is not None
+    assert any("different normals" in warning for warning in warnings)
 
 
 @pytest.mark.parametrize("length", [40, 600])

@@ -48,7 +48,7 @@ class Transparent:
 
 @dataclass(frozen=True)
 class Glossy:
-    """GGX reflection of one colour at every angle."""
+    """GGX reflection of one colour at every angle; or Ashikhmin and Shirley's."""
 
     color: tuple = (0.8, 0.8, 0.8)
     roughness: float = 0.5
@@ -56,6 +56,7 @@ class Glossy:
     multiscatter: bool = False
     normal: object = None
     tangent: object = None
+    is_ashikhmin: bool = False
 
 
 @dataclass(frozen=True)
@@ -266,7 +267,9 @@ class _Flattening:
         self.transparency = graph.added(self.transparency, graph.scaled(c.color, weight))
 
     def _glossy(self, c, weight):
-        self._same(ClosureKind.GLOSSY, c, weight)
+        kind = ClosureKind.ASHIKHMIN_SHIRLEY if c.is_ashikhmin else ClosureKind.GLOSSY
+        values = {name: getattr(c, name) for name in ("color", "roughness", "anisotropy", "normal", "tangent")}
+        self._row(kind, weight, values, c.multiscatter)
 
     def _metallic(self, c, weight):
         values = {"roughness": c.roughness, "anisotropy": c.anisotropy, "normal": c.normal}

@@ -19,6 +19,7 @@ from .maths import saturate
 ZERO, ONE = np.float32(0.0), np.float32(1.0)
 NEGLIGIBLE = np.float32(1e-5)  # weights below this are dropped, as Cycles does
 SMALLEST_IOR = np.float32(1e-5)
+LEAST_ROUGHNESS = np.float32(0.03)  # below, an Ashikhmin-Shirley lobe is as good as a mirror
 
 
 @kernel
@@ -44,7 +45,7 @@ def add_closure(bsdf, c):
             lobe = bsdf.lobes[i]
             lobe.ior = max(c.ior, SMALLEST_IOR)
             set_alphas(lobe, c.roughness, ONE)
-    elif kind >= ClosureKind.TOON_DIFFUSE:
+    elif ClosureKind.TOON_DIFFUSE <= kind <= ClosureKind.VELVET:
         add_cloth(bsdf, c, weight * load3(c, "color"))
     else:
         add_metal(bsdf, c, weight)
@@ -78,7 +79,15 @@ def add_cloth(bsdf, c, weight):
 
 @kernel
 def add_metal(bsdf, c, weight):
-    """Glossy, and Metallic in both its models."""
+    """Glossy in both its distributions, and Metallic in both its models."""
+    # widths as Blender's Glossy and Metallic nodes stretch them
+    anisotropy = min(max(c.anisotropy, -0.99), 0.99)
+    stretch = 1.0 / (1.0 + anisotropy) if anisotropy < 0.0 else 1.0 - anisotropy
+    if c.kind == ClosureKind.ASHIKHMIN_SHIRLEY and c.roughness > LEAST_ROUGHNESS:
+        i = new_lobe(bsdf, LobeKind.ASHIKHMIN_SHIRLEY, weight * load3(c, "color"), 0)
+        if i >= 0:
+            set_alphas(bsdf.lobes[i], c.roughness, stretch)
+        return
     i = new_lobe(bsdf, LobeKind.CONDUCTOR, weight, 0)
     if i < 0:
         return
@@ -88,12 +97,9 @@ def add_metal(bsdf, c, weight):
     elif c.kind == ClosureKind.CONDUCTOR:
         lobe.fresnel = FresnelKind.CONDUCTOR
     store3(lobe, "f0", load3(c, "color"))
-    if c.kind != ClosureKind.GLOSSY:
+    if c.kind == ClosureKind.METALLIC or c.kind == ClosureKind.CONDUCTOR:
         store3(lobe, "f82", load3(c, "edge_tint"))
     lobe.multiscatter = c.multiscatter
-    # widths as Blender's Glossy and Metallic nodes stretch them
-    anisotropy = min(max(c.anisotropy, -0.99), 0.99)
-    stretch = 1.0 / (1.0 + anisotropy) if anisotropy < 0.0 else 1.0 - anisotropy
     set_alphas(lobe, c.roughness, stretch)
 
 
