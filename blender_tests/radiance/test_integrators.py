@@ -11,6 +11,7 @@ from blender_tests.helpers.scenes import box, builder, cube, picture, plane, qua
 from engine_core.scene.materials import Diffuse, Emission, Glass, Metallic, Mix, Translucent
 from engine_core.scene.targets import Aim
 from engine_core.settings import IntegratorKind
+from engine_core.tables import Visibility
 
 WALLS, LIGHT = Diffuse((0.7, 0.6, 0.5)), Emission((1, 0.9, 0.8), 4.0)
 CEILING = np.array([[0.5, 0, 0, 0], [0, 0.5, 0, 0], [0, 0, 1, 0.95], [0, 0, 0, 1]])
@@ -125,7 +126,19 @@ def one_sided(b):
     return b.material("one-sided", LIGHT, one_sided_emission=True)
 
 
+def lights_that_some_rays_see():
+    """Walls of two lobes, of which each sees other lights; glass rays see a third."""
+    b = room(Mix(0.5, Diffuse((0.9, 0.9, 0.9)), Metallic((0.9, 0.9, 0.9), (1, 1, 1), roughness=0.5)))
+    shadow = Visibility.CAMERA | Visibility.SHADOW
+    b.area_light("Diffuse", DOWN @ at(0.8, 0.8, 0, 0.4), (2, 1, 1), 1.0, 1.0, visibility=shadow | Visibility.DIFFUSE)
+    b.point_light("Glossy", (-0.5, 0.3, 0.1), (1, 2, 1), 0.2, soft=False, visibility=shadow | Visibility.GLOSSY)
+    quad(b, LIGHT, DOWN @ at(-0.8, -0.8, 0, 0.4), visibility=Visibility.ALL & ~Visibility.DIFFUSE)
+    sphere(b, Glass(roughness=0.4, ior=1.2), (0.4, 0.4, -0.6), 0.35, **ALWAYS)
+    return b
+
+
 ROOMS = (
+    lights_that_some_rays_see,
     targets_in_each_other,
     camera_in_a_target,
     target_behind_the_surface,
@@ -182,3 +195,14 @@ def test_bounces_are_counted_alike(kind):
 def test_roulette_takes_nothing_away(kind):
     """A mixture's throughput goes up and down; whatever ends a path early has to be made up for."""
     assert_same(targets_in_each_other, kind, IntegratorKind.PATH, max_bounces=20, min_bounces=0)
+
+
+@pytest.mark.parametrize("kind", [IntegratorKind.PATH, IntegratorKind.BRUTE_FORCE])
+@pytest.mark.parametrize("radius", [0.0, 0.2])
+def test_matt_walls_are_dark_where_only_glossy_rays_see_the_lamp(kind, radius):
+    """As Cycles does it; a lamp without a radius is found by sampling alone."""
+    b = room()
+    b.point_light(
+        "Lamp", (0.3, 0.3, 0.1), (1, 1, 1), radius, soft=False, visibility=Visibility.GLOSSY | Visibility.SHADOW
+    )
+    assert not picture(b, integrator=kind, samples=4, size=24)[..., :3].any()

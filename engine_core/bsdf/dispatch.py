@@ -16,7 +16,7 @@ import numpy as np
 
 from ..jit import kernel
 from ..linalg.vec3 import BLACK, WHITE, Vec3, average, dot, is_black, load3, max_component, store3
-from ..tables import LobeKind
+from ..tables import LobeKind, Visibility
 from . import (
     ashikhmin_shirley,
     coating,
@@ -32,7 +32,7 @@ from . import (
     transparent,
     velvet,
 )
-from .lobe import ONE, ZERO, no_direction, nothing
+from .lobe import ONE, ZERO, is_matt, no_direction, nothing
 from .microfacet import is_smooth, passes_straight
 
 BELOW_ONE = np.float32(1.0 - 2.0**-24)
@@ -124,6 +124,26 @@ def kind_of_lobe(bsdf, wo, wi, u):
                     break
             rest -= share
     return kind
+
+
+@kernel
+def share_seeing(bsdf, wo, wi, visibility):
+    """Share of the paths scattered to wi whose rays see what has that Visibility: by the lobe that chose wi."""
+    if is_behind(bsdf, wi):
+        return ONE if visibility & Visibility.TRANSMISSION.value else ZERO
+    matt_see, glossy_see = visibility & Visibility.DIFFUSE.value != 0, visibility & Visibility.GLOSSY.value != 0
+    if matt_see == glossy_see:
+        return ONE if matt_see else ZERO
+    wo_local, wi_local = to_local(bsdf, wo), to_local(bsdf, wi)
+    seeing, total = ZERO, ZERO
+    for i in range(bsdf.count):
+        lobe = bsdf.lobes[i]
+        if lobe.pmf > 0.0:
+            density = lobe.pmf * lobe_evaluate_and_pdf(lobe, wo_local, wi_local).pdf
+            total += density
+            if is_matt(lobe.kind) == matt_see:
+                seeing += density
+    return seeing / total if total > 0.0 else ZERO
 
 
 @kernel

@@ -20,6 +20,7 @@ from ..tables import MaterialFlag, Visibility
 from .targets import choose
 
 FAR, ZERO, ONE = np.float32(np.inf), np.float32(0.0), np.float32(1.0)
+SCATTERED = (Visibility.DIFFUSE | Visibility.GLOSSY | Visibility.TRANSMISSION).value
 ALMOST_ONE = np.float32(1.0 - 1e-4)  # shadow rays stop short: a lamp may lie in the surface of a ceiling
 
 
@@ -57,6 +58,8 @@ def light_of(scene, settings, it, bsdf, wo, visibility, row, pmf_light, u0, u1):
     if s.pdf <= 0.0 or (is_black(s.radiance) and light.program == 0):
         return BLACK
     f, pdf_bsdf = bsdf_dispatch.evaluate_and_pdf(bsdf, wo, s.wi)
+    if light.visibility & SCATTERED != SCATTERED:
+        f = f * bsdf_dispatch.share_seeing(bsdf, wo, s.wi, light.visibility)
     if is_black(f):
         return BLACK
     Le = s.radiance
