@@ -98,7 +98,7 @@ def shadow_transmittance(scene, settings, o, d, t_max):
             return BLACK
         if material.transparency_program > 0:
             point = new_point()
-            set_surface(point, it, hit, -normalize(d), Visibility.SHADOW.value, np.float32(0.0))
+            set_surface(scene, point, it, hit, -normalize(d), Visibility.SHADOW.value, np.float32(0.0))
             transmittance = transmittance * run_program(scene, material.transparency_program, point)
             if is_black(transmittance):
                 return BLACK

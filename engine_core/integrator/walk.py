@@ -141,7 +141,7 @@ def set_point(scene, settings, walk, it, hit):
     point, camera = walk.point, scene.camera[0]
     pixel = (camera.screen[1] - camera.screen[0]) / np.float32(settings.width)
     size = pixel * (walk.distance + hit.t) if camera.kind == CameraKind.PERSPECTIVE else pixel
-    set_surface(point, it, hit, -load3(walk, "d"), walk.visibility, BUMP_WIDTH * size)
+    set_surface(scene, point, it, hit, -load3(walk, "d"), walk.visibility, BUMP_WIDTH * size)
     point.ray_length = walk.distance + hit.t
     point.bounces = walk.bounces
     point.diffuse_bounces, point.glossy_bounces = walk.diffuse_bounces, walk.glossy_bounces

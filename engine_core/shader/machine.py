@@ -77,7 +77,7 @@ def run_light(scene, light, point, unused):
         b1, b2 = barycentrics_at(scene, light.instance, row, p)
         hit = SurfaceHit(point.ray_length, TRIANGLES, row, through, b1, b2)
         it = make_interaction(scene, hit, p + wo * point.ray_length, -wo)
-        set_surface(point, it, hit, wo, point.visibility, ZERO)
+        set_surface(scene, point, it, hit, wo, point.visibility, ZERO)
     run_steps(scene, program, point, registers)
     store3(point, "result", result(program, registers))
 

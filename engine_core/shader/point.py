@@ -7,13 +7,14 @@ from ..jit import kernel
 from ..linalg.records import scratch_record
 from ..linalg.vec3 import store3
 from ..program_tables import POINT
+from ..shape.interaction import texture_coordinates
 
 ZERO = np.float32(0.0)
 new_point = scratch_record(POINT)
 
 
 @kernel
-def set_surface(point, it, hit, wo, visibility, footprint):
+def set_surface(scene, point, it, hit, wo, visibility, footprint):
     """A place on a surface: Interaction `it` of the `hit`, seen along -wo by a ray of that kind."""
     point.kind, point.instance, point.prim, point.material = hit.kind, it.instance, hit.prim, it.material
     point.backfacing = np.int32(it.backfacing)
@@ -22,7 +23,7 @@ def set_surface(point, it, hit, wo, visibility, footprint):
     point.transmission_bounces = point.transparent_bounces = 0
     point.ray_length, point.footprint = hit.t, footprint
     point.b1, point.b2 = hit.b1, hit.b2
-    point.uv[0], point.uv[1] = it.u, it.v
+    point.uv[0], point.uv[1] = texture_coordinates(scene, hit, it.p)
     store3(point, "p", it.p)
     store3(point, "ng", it.ng)
     store3(point, "ns", it.ns)

@@ -16,8 +16,6 @@ class Interaction(NamedTuple):
     p: Vec3  # world space
     ng: Vec3  # unit geometric normal, on the side that the ray came from
     ns: Vec3  # unit shading normal, likewise
-    u: float  # texture coordinates
-    v: float
     instance: int  # row of INSTANCE
     material: int  # row of MATERIAL
     light: int  # row of LIGHT if this place emits and can be sampled, else -1
@@ -40,9 +38,6 @@ def make_interaction(scene, hit, o, d):
         p = p0 * b0 + p1 * b1 + p2 * b2
         ng = cross(p1 - p0, p2 - p0)
         ns = load3_at(triangle, "n", 0) * b0 + load3_at(triangle, "n", 1) * b1 + load3_at(triangle, "n", 2) * b2
-        uv = triangle.uv
-        u = uv[0, 0] * b0 + uv[1, 0] * b1 + uv[2, 0] * b2
-        v = uv[0, 1] * b0 + uv[1, 1] * b1 + uv[2, 1] * b2
         slot, owner, light = triangle.slot, triangle.instance, triangle.light
     else:
         shape = scene.shapes[hit.prim]
@@ -57,7 +52,6 @@ def make_interaction(scene, hit, o, d):
         p = dispatch.snap(shape, p)
         ng = dispatch.geometric_normal(shape, local_o, p)
         ns = ng
-        u, v = dispatch.uv(shape, p)
 
     if hit.instance >= 0:  # its geometry is in object space
         owner = hit.instance
@@ -82,4 +76,18 @@ def make_interaction(scene, hit, o, d):
     cosine = -dot(ns, d)
     if cosine < LEAST_COSINE:
         ns = normalize(ns - d * (LEAST_COSINE - cosine))
-    return Interaction(p, ng, ns, u, v, owner, material, light, backfacing)
+    return Interaction(p, ng, ns, owner, material, light, backfacing)
+
+
+@kernel
+def texture_coordinates(scene, hit, p):
+    """(u, v) of the point `p`, in world space, of what was hit: for whoever has textures."""
+    if hit.kind == TreeKind.TRIANGLES:
+        uv = scene.triangles[hit.prim].uv
+        b0 = 1.0 - hit.b1 - hit.b2
+        u = uv[0, 0] * b0 + uv[1, 0] * hit.b1 + uv[2, 0] * hit.b2
+        v = uv[0, 1] * b0 + uv[1, 1] * hit.b1 + uv[2, 1] * hit.b2
+        return u, v
+    if hit.instance >= 0:
+        p = transform_point(scene.instances[hit.instance], "to_object", p)
+    return dispatch.uv(scene.shapes[hit.prim], p)
