@@ -62,21 +62,22 @@ def light_of(scene, settings, it, bsdf, wo, visibility, row, pmf_light, u0, u1):
         f = f * bsdf_dispatch.share_seeing(bsdf, wo, s.wi, light.visibility)
     if is_black(f):
         return BLACK
-    Le = s.radiance
-    if light.program > 0:
-        Le = light_radiance(scene, light, new_point(), it.p + s.wi * s.distance, s.wi, s.distance, visibility)
     pdf_light = s.pdf * pmf_light
-    Ld = f * Le * (1.0 / pdf_light)
+    f = f * (1.0 / pdf_light)
     if not s.is_delta:
-        Ld = Ld * power_heuristic(pdf_light, pdf_bsdf)
+        f = f * power_heuristic(pdf_light, pdf_bsdf)
     o = offset_ray_origin(it.p, it.ng if dot(s.wi, it.ng) > 0.0 else -it.ng)
     if s.distance == FAR:
-        return Ld * shadow_transmittance(scene, settings, o, s.wi, FAR)
-    # To the very point that was sampled, moved off the emitter as `o` is off the surface: neither end blocks the way.
-    q = it.p + s.wi * s.distance
-    n = light_dispatch.surface_normal(light, q)
-    q = offset_ray_origin(q, n if dot(s.wi, n) < 0.0 else -n)
-    return Ld * shadow_transmittance(scene, settings, o, q - o, ALMOST_ONE)
+        f = f * shadow_transmittance(scene, settings, o, s.wi, FAR)
+    else:
+        # To the very point that was sampled, moved off the emitter as `o` is off the surface: neither blocks the way.
+        q = it.p + s.wi * s.distance
+        n = light_dispatch.surface_normal(light, q)
+        q = offset_ray_origin(q, n if dot(s.wi, n) < 0.0 else -n)
+        f = f * shadow_transmittance(scene, settings, o, q - o, ALMOST_ONE)
+    if light.program > 0 and not is_black(f):  # after the shadow: a program costs more than a ray
+        return f * light_radiance(scene, light, new_point(), it.p + s.wi * s.distance, s.wi, s.distance, visibility)
+    return f * s.radiance
 
 
 @kernel
