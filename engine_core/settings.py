@@ -59,4 +59,4 @@ class Settings(NamedTuple):
 
     def plain(self):
         """The same in plain int and float: for anything else numba would compile every kernel once more."""
-        return Settings(*(kind(value) for kind, value in zip(self.__annotations__.values(), self, strict=True)))
+        return Settings(*(kind(value) for kind, value in zip(type(self).__annotations__.values(), self, strict=True)))
