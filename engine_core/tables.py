@@ -237,6 +237,8 @@ LIGHT = np.dtype(
         ("visibility", "i4"),  # Visibility
         ("instance", "i4"),  # TRIANGLE, and analytic shapes of the scene: rows of what emits; lamps: -1
         ("prim", "i4"),
+        ("level", "i4"),  # TRIANGLE: it is divided into 4^level parts, which are sampled in its place; 0: it is whole
+        ("parts", "i4"),  # row of LIGHT of the first of them; they have the same `instance` and `prim`
         ("leaf", "i4"),  # row of LIGHT_NODE * LIGHT_WIDTH + child; -1: outside of the tree, or never selected
         ("share", "f4"),  # probability within its leaf: 1, or less if that holds a pair of rows; 0: never selected
         ("irradiance", "f4"),  # outside of the tree: W/m2 across the light's direction, the mean of colours
@@ -250,6 +252,7 @@ TARGET = np.dtype(
         ("cdf", "f4"),  # sum of pmf up to and including this one, from the first of its kind (see WORLD)
     ]
 )
+MAX_PART_LEVEL = 5
 LIGHT_WIDTH = 8
 LIGHT_NODE = np.dtype(
     [  # of the tree of lights: up to eight children, side by side, which are lights or nodes

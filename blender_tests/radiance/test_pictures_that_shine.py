@@ -79,3 +79,33 @@ def test_a_picture_that_shines_lights_the_same_by_sampling_and_by_chance():
 
     sampled, by_chance = mean_of(scene(), samples=64), mean_of(scene(), IntegratorKind.BRUTE_FORCE, samples=512)
     np.testing.assert_allclose(sampled, by_chance, rtol=0.04)
+
+
+def test_a_bright_spot_in_a_picture_is_found_by_its_parts():
+    """One bright pixel of 64: all integrators see the same, and the path tracer with little noise."""
+    pixels = np.full((8, 8, 4), 0.05, np.float32)
+    pixels[2, 5, :3] = (60, 40, 20)
+    uv = node(Op.INPUT_VECTOR, mode=InputVector.UV)
+    picture = part(node(Op.IMAGE, uv, 0.0, mode=CLOSEST, data=Image("lamp", pixels)), 0, 3)
+    b = SceneBuilder()
+    plane(b, 4.0, 0.0, Diffuse((ALBEDO,) * 3), "Ground")
+    plane(b, 1.5, 1.0, Emission(picture), "Lamp", front_up=False)
+    b.camera(look_at((0, -3, 0.9), (0, 0, 0)), perspective_screen(30))
+    scene = b.build()
+
+    def blocks(kind, samples):
+        options = {"width": 24, "height": 24, "crop_width": 24, "crop_height": 24, "clamp_indirect": 0.0}
+        runs = []
+        for seed in range(8):
+            render = Render(scene, Settings(samples=samples, integrator=int(kind), seed=seed, **options), threads=1)
+            render.run()
+            runs.append(render.image("Combined")[..., :3].reshape(2, 12, 2, 12, 3).mean(axis=(1, 3)))
+        runs = np.array(runs, np.float64)
+        return runs.mean(axis=0), runs.std(axis=0, ddof=1) / np.sqrt(len(runs))
+
+    path, path_error = blocks(IntegratorKind.PATH, 32)
+    assert path_error.max() < 0.01 * path.mean()
+    for kind, samples in ((IntegratorKind.MIXTURE, 64), (IntegratorKind.BRUTE_FORCE, 512)):
+        other, error = blocks(kind, samples)
+        assert (np.abs(path - other) < 5.0 * np.hypot(path_error, error)).all(), kind
+        assert error.max() < 0.1 * other.mean()

@@ -10,6 +10,7 @@ from ..bsdf import dispatch as bsdf_dispatch
 from ..jit import kernel
 from ..light import dispatch as light_dispatch
 from ..light.select import pmf, select
+from ..light.triangle import row_at
 from ..linalg.ray import offset_ray_origin
 from ..linalg.vec3 import BLACK, WHITE, Vec3, dot, is_black, load3, normalize
 from ..sampling.mis import power_heuristic
@@ -116,7 +117,9 @@ def surface_emission(scene, it, Le, d, origin, distance):
     material = scene.materials[it.material]
     if it.backfacing and material.flags & MaterialFlag.ONE_SIDED.value:
         return BLACK
-    return Le * mis_weight(scene, it.light, d, origin, distance) if it.light >= 0 else Le
+    if it.light < 0:
+        return Le
+    return Le * mis_weight(scene, row_at(scene, it.light, it.p), d, origin, distance)
 
 
 @kernel

@@ -11,7 +11,7 @@ from ..sampling.spherical import LEAST_SOLID_ANGLE, SMALL, square_to_spherical_t
 from ..sampling.warp import square_to_triangle
 from .light_sample import ZERO, LightSample, area_pdf, no_light
 
-ONE_THIRD = np.float32(1.0 / 3.0)
+ONE_THIRD, LEAST = np.float32(1.0 / 3.0), np.float32(1e-37)
 
 
 class View(NamedTuple):
@@ -60,6 +60,34 @@ def pdf(light, p, wi, t):
     if view.solid_angle > 0.0:
         return 1.0 / view.solid_angle
     return area_pdf(light.area, t, abs(cosine))
+
+
+@kernel
+def row_at(scene, row, q):
+    """The row of LIGHT by which the point `q` of the triangle in `row` is sampled: its own, or that of a part.
+
+    Parts are numbered by digits to the base 4, coarse to fine: those at the three corners, then the one in the middle.
+    """
+    light = scene.lights[row]
+    if light.level == 0:
+        return np.int64(row)
+    u, v, w = load3(light, "u"), load3(light, "v"), q - load3(light, "p")
+    uu, uv, vv, uw, vw = dot(u, u), dot(u, v), dot(v, v), dot(u, w), dot(v, w)
+    scale = 1.0 / max(uu * vv - uv * uv, LEAST)
+    b1, b2 = (uw * vv - vw * uv) * scale, (vw * uu - uw * uv) * scale
+    part = 0
+    for _ in range(light.level):
+        b1, b2 = 2.0 * b1, 2.0 * b2
+        if b1 + b2 <= 1.0:
+            digit = 0
+        elif b1 >= 1.0:
+            digit, b1 = 1, b1 - 1.0
+        elif b2 >= 1.0:
+            digit, b2 = 2, b2 - 1.0
+        else:
+            digit, b1, b2 = 3, 1.0 - b1, 1.0 - b2
+        part = 4 * part + digit
+    return np.int64(light.parts + part)
 
 
 @kernel

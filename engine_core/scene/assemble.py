@@ -32,7 +32,8 @@ from ..tables import (
     Visibility,
 )
 from . import checks, shapes, targets
-from .shading import Shading, bake_lights, bake_world
+from .emitters import bake_lights
+from .shading import Shading, bake_world
 from .targets import Aim
 from .triangles import inverse, triangle_lights, triangle_rows
 
@@ -94,13 +95,14 @@ class _Assembly:
     def _with_baked_light(self, scene):
         """The scene with the means of what programs emit, and what lights are selected by."""
         tables, world = scene.tables(), scene.world
-        bake_lights(scene)
+        lights = bake_lights(scene)
+        world["light_count"] = len(lights)
         if world["background_program"][0] > 0:
             self.progress(0.95, "World")
             tables["world_map"] = bake_world(scene, max(scene.images["width"], default=0))
-            scene.lights["emission"][world["background_light"][0]] = world["background"][0]
-        tables["light_nodes"] = prepare_selection(scene.lights, world)
-        tables["lights"], tables["targets"], tables["nodes"] = self._targets(scene.lights, world, scene.nodes)
+            lights["emission"][world["background_light"][0]] = world["background"][0]
+        tables["light_nodes"] = prepare_selection(lights, world)
+        tables["lights"], tables["targets"], tables["nodes"] = self._targets(lights, world, scene.nodes)
         return Scene(**{name: np.asarray(table) for name, table in tables.items()})
 
     # ---- Geometry ----

@@ -15,7 +15,7 @@ import numpy as np
 from ..accel.nodes import aligned_rows
 from ..settings import Settings
 from ..shader import link, verify
-from ..tables import LIGHT_WIDTH, MAX_LOBES, Scene, TreeKind
+from ..tables import LIGHT_WIDTH, MAX_LOBES, MAX_PART_LEVEL, Scene, TreeKind
 from .checks import SceneError
 
 FORMAT, VERSION = "lambent scene", 1
@@ -114,6 +114,11 @@ def check_tables(name, tables):
         ("light_root", "the tree of lights", "light_nodes"),
     ):
         within(what, world[field], table)
+    level = tables["lights"]["level"]
+    if level.min(initial=0) < 0 or level.max(initial=0) > MAX_PART_LEVEL:
+        raise SceneError(f"{name}: lights are divided too finely")
+    first = tables["lights"]["parts"][level > 0].astype(np.int64)
+    within("parts of lights", np.concatenate([first, first + 4 ** level[level > 0] - 1]), "lights", none_allowed=False)
     _check_light_tree(name, tables, within)
     within("targets", tables["targets"]["light"], "lights", none_allowed=False)
     if not (

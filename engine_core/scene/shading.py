@@ -6,22 +6,20 @@ import numpy as np
 from ..jit import kernel
 from ..light.background import PI, TWO_PI, make_map
 from ..linalg.color import not_negative
-from ..linalg.vec3 import Vec3, average, load3, store3
+from ..linalg.vec3 import Vec3, average, store3
 from ..program_tables import ATTRIBUTE, ATTRIBUTE_MAP, CELL, ClosureKind
-from ..sampling.warp import square_to_triangle
 from ..shader import graph
-from ..shader.evaluate import light_radiance, run_program
+from ..shader.evaluate import run_program
 from ..shader.graph import GraphError
 from ..shader.point import new_point, set_world
 from ..shader.program import ProgramTables
-from ..tables import LOBE, MATERIAL, TRANSMITTING, LightKind, LobeKind, MaterialFlag, Visibility
+from ..tables import LOBE, MATERIAL, TRANSMITTING, LobeKind, MaterialFlag, Visibility
 from .materials import Diffuse, flatten, lower
 
 GREY = Diffuse((0.5, 0.5, 0.5))
 TRANSMITTING_CLOSURES = (ClosureKind.GLASS, ClosureKind.REFRACTION, ClosureKind.TRANSLUCENT, ClosureKind.PRINCIPLED)
 BAKED = np.dtype([("radiance", "f4", (3,))])
 MAP_WIDTH, LARGE_MAP_WIDTH = 1024, 2048  # columns of the world's map; the larger for images of more columns
-SAMPLES_PER_TRIANGLE = 16
 
 
 class Shading:
@@ -117,34 +115,7 @@ def _with(row, values):
     return row
 
 
-# ---- What programs come to on average --------------------------------------------------------------------------------
-
-
-def bake_lights(scene):
-    """Set `emission` of lights that have programs to its mean."""
-    if (scene.lights["program"] > 0).any():
-        _bake_lights(scene, len(scene.lights), SAMPLES_PER_TRIANGLE)
-
-
-@kernel
-def _bake_lights(scene, count, samples):
-    point = new_point()
-    for row in range(count):
-        light = scene.lights[row]
-        if light.program == 0 or light.kind != LightKind.TRIANGLE:
-            continue
-        total = Vec3(0.0, 0.0, 0.0)
-        for i in range(samples):
-            # a Hammersley-like set: strata one way, the golden ratio the other
-            u0 = (np.float32(i) + 0.5) / np.float32(samples)
-            u1 = (np.float32(i) + 0.5) * np.float32(0.618034)
-            b1, b2 = square_to_triangle(u0, u1 - np.floor(u1))
-            q = load3(light, "p") + load3(light, "u") * b1 + load3(light, "v") * b2
-            n = load3(light, "n")
-            L = light_radiance(scene, light, point, q, -n, np.float32(1.0), Visibility.DIFFUSE.value)
-            if np.isfinite(average(L)):
-                total = total + not_negative(L)
-        store3(light, "emission", total * (1.0 / np.float32(samples)))
+# ---- What the world's program comes to on average --------------------------------------------------------------------
 
 
 def bake_world(scene, largest_image):

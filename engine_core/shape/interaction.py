@@ -18,7 +18,7 @@ class Interaction(NamedTuple):
     ns: Vec3  # unit shading normal, likewise
     instance: int  # row of INSTANCE
     material: int  # row of MATERIAL
-    light: int  # row of LIGHT if this place emits and can be sampled, else -1
+    light: int  # row of LIGHT, of a divided triangle the whole, if this place emits and can be sampled; else -1
     backfacing: bool  # the ray came from behind
 
 
