@@ -161,7 +161,7 @@ def break_when(monkeypatch, condition):
 
 def test_cancelling_stops_in_the_middle(scene, tmp_path, sessions, monkeypatch, record_property):
     scene.lambent.samples = 1_000_000
-    told = break_when(monkeypatch, lambda: sessions and sessions[0].first_tile_s is not None)
+    told = break_when(monkeypatch, lambda: sessions and sessions[0].render and sessions[0].render.samples_done > 0)
 
     picture = render(tmp_path / "picture.exr")
     took = time.perf_counter() - told[0]
