@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where the time of a path goes: shares of rays, lights, materials and random numbers, in two scenes, on one thread.
+"""Where the time of a path goes: shares of rays, lights, materials and random numbers, in three scenes, on one thread.
 
 Linux' `perf` tells at which addresses the processor was; the compiled kernel tells which of its functions stands there.
 A function that LLVM has put into its caller counts as that: the trees are walked in `walk.advance`, and random numbers
@@ -26,7 +26,7 @@ from engine_core.integrator.render import RENDER_TILE
 from engine_core.integrator.tiles import Render
 from engine_core.settings import IntegratorKind, Settings
 
-SCENES = ("cornell_box", "three_spheres")
+SCENES = ("cornell_box", "three_spheres", "instances")
 FOLDER = Path(__file__).parents[2] / "scenes_blend"
 SIZE = 128
 FREQUENCY = 1999  # looks a second
