@@ -7,9 +7,7 @@ its own reference; what the references are apart is the bias.
 """
 
 import argparse
-import contextlib
 import json
-import os
 import sys
 import tempfile
 from pathlib import Path
@@ -24,7 +22,7 @@ from blender_tests.helpers.cycles import load
 from blender_tests.helpers.engines import ENGINES, MOST_SAMPLES, enable_engines, render, set_alike
 from blender_tests.helpers.references import reference, relative_error, rms_error
 
-from .quiet import progress_bar, quiet_blender
+from .quiet import leave, progress_bar, quiet_blender
 from .sheet import Panel, difference_map, flip, sheet, shown
 
 NAMES = {"LAMBENT": "Lambent", "CYCLES": "Cycles"}
@@ -247,9 +245,4 @@ def parse():
 
 
 if __name__ == "__main__":
-    code = 1
-    with contextlib.suppress(KeyboardInterrupt):
-        code = main()
-    sys.stdout.flush()
-    sys.stderr.flush()
-    os._exit(code)  # not sys.exit: Blender 4.5 as a module can hang when a process ends
+    leave(main)

@@ -6,8 +6,6 @@ about as a plot (`time`), and his figures 20 and 21 (`rays`).
 """
 
 import argparse
-import os
-import sys
 from pathlib import Path
 from time import process_time
 
@@ -24,7 +22,7 @@ from engine_core.settings import IntegratorKind, Settings
 
 from . import scaling
 from .noise import FOLDER, builder_of
-from .quiet import progress_bar, quiet_blender
+from .quiet import leave, progress_bar, quiet_blender
 from .sheet import Panel, sheet, standard_view
 
 WORLDS = {"cornell_mirror": "A mirror box", "cornell_glass": "A mirror box, a glass ball and a metal ball"}
@@ -170,16 +168,4 @@ def main():
 
 
 if __name__ == "__main__":
-    code = 1
-    try:
-        main()
-        code = 0
-    except SystemExit as stop:
-        code = stop.code
-    except Exception:
-        import traceback
-
-        traceback.print_exc()
-    sys.stdout.flush()
-    sys.stderr.flush()
-    os._exit(code)  # not sys.exit: Blender 4.5 as a module can hang when a process ends
+    leave(main)

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's lines of log out of the way of ours, and a progress bar."""
+"""Blender's lines of log out of the way of ours, a progress bar, and an end that does not hang."""
 
 import contextlib
 import os
 import sys
 import tempfile
+import traceback
 
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
@@ -47,3 +48,22 @@ def progress_bar(console):
     with Progress(*columns, TimeElapsedColumn(), console=console, auto_refresh=False, transient=True) as progress:
         task = progress.add_task("", total=1.0)
         yield lambda fraction, text: progress.update(task, completed=fraction, description=text, refresh=True)
+
+
+def leave(main):
+    """Run a command's `main`, and end the process with what it returns, or 1 after a failure.
+
+    Not by sys.exit: Blender 4.5 as a module can hang when a process ends.
+    """
+    code = 1
+    try:
+        code = main() or 0
+    except SystemExit as stop:
+        code = stop.code
+    except KeyboardInterrupt:
+        pass
+    except Exception:
+        traceback.print_exc()
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(code)

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from blender_tests.helpers.scenes import box, builder, cube, picture, plane, quad, sphere
+from blender_tests.helpers.scenes import CUBE_CORNERS, CUBE_TRIANGLES, box, builder, cube, picture, plane, quad, sphere
 from engine_core.scene.materials import Diffuse, Emission, Glass, Metallic, Mix, Translucent
 from engine_core.scene.targets import Aim
 from engine_core.settings import IntegratorKind
@@ -70,14 +70,8 @@ def mesh_that_is_not_convex():
     """A star of three crossed bars that emits, and is one mesh; another of clay."""
     b = room()
     bars = [np.diag(sizes) for sizes in ((0.4, 0.1, 0.1), (0.1, 0.4, 0.1), (0.1, 0.1, 0.4))]
-    corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
-    faces = np.array(
-        [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1],
-         [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]]
-    )  # fmt: skip
-    star = b.mesh(
-        "star", np.concatenate([corners @ bar for bar in bars]), np.concatenate([faces, faces + 8, faces + 16])
-    )
+    corners = np.concatenate([CUBE_CORNERS @ bar for bar in bars])
+    star = b.mesh("star", corners, np.concatenate([CUBE_TRIANGLES, CUBE_TRIANGLES + 8, CUBE_TRIANGLES + 16]))
     b.instance(star, at(-0.3, 0.3, 0.4), [b.material("light", LIGHT)])
     b.instance(star, at(0.4, 0.4, -0.4), [b.material("clay", WALLS)], **ALWAYS)
     return b

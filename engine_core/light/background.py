@@ -12,11 +12,10 @@ import numpy as np
 
 from ..jit import kernel
 from ..linalg.vec3 import Vec3, load3
-from ..sampling.warp import INV_FOUR_PI, square_to_sphere
+from ..sampling.warp import INV_FOUR_PI, PI, TWO_PI, square_to_sphere
 from ..texture.image import equirectangular
 from .light_sample import INFINITY, LightSample, no_light
 
-PI, TWO_PI = np.float32(math.pi), np.float32(2.0 * math.pi)
 AROUND = np.float32(2.0 * math.pi * math.pi)  # solid angle of the square on the map, over the cosine of the latitude
 
 
@@ -27,12 +26,18 @@ def sample(scene, light, u0, u1):
         return LightSample(square_to_sphere(u0, u1), INFINITY, load3(light, "emission"), INV_FOUR_PI, False)
     row, v, density_v = choose(scene, 0, world.map_height, u1)
     _, u, density_u = choose(scene, first_of_row(world, row), world.map_width, u0)
-    latitude, longitude = (v - 0.5) * PI, (0.5 - u) * TWO_PI
-    cosine = math.cos(latitude)
+    wi, cosine = direction_at(u, v)
     if cosine <= 0.0 or density_v == 0.0 or density_u == 0.0:
         return no_light()
-    wi = Vec3(cosine * math.cos(longitude), cosine * math.sin(longitude), math.sin(latitude))
     return LightSample(wi, INFINITY, load3(light, "emission"), density_u * density_v / (AROUND * cosine), False)
+
+
+@kernel
+def direction_at(u, v):
+    """(direction, cosine of its latitude) of a place on the map: the inverse of `texture.image.equirectangular`."""
+    latitude, longitude = (v - 0.5) * PI, (0.5 - u) * TWO_PI
+    cosine = math.cos(latitude)
+    return Vec3(cosine * math.cos(longitude), cosine * math.sin(longitude), math.sin(latitude)), cosine
 
 
 @kernel

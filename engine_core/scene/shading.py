@@ -4,7 +4,7 @@
 import numpy as np
 
 from ..jit import kernel
-from ..light.background import PI, TWO_PI, make_map
+from ..light.background import direction_at, make_map
 from ..linalg.color import not_negative
 from ..linalg.vec3 import Vec3, average, store3
 from ..program_tables import ATTRIBUTE, ATTRIBUTE_MAP, CELL, ClosureKind
@@ -145,12 +145,9 @@ def _bake_world(scene, cells, width, height, per_side):
             total = Vec3(0.0, 0.0, 0.0)
             for i in range(per_side):
                 v = (np.float32(row) + (np.float32(i) + 0.5) / np.float32(per_side)) / np.float32(height)
-                latitude = (v - 0.5) * PI
                 for j in range(per_side):
                     u = (np.float32(column) + (np.float32(j) + 0.5) / np.float32(per_side)) / np.float32(width)
-                    longitude = (0.5 - u) * TWO_PI
-                    c = np.cos(latitude)
-                    d = Vec3(c * np.cos(longitude), c * np.sin(longitude), np.sin(latitude))
+                    d, _ = direction_at(u, v)
                     set_world(point, d, Visibility.DIFFUSE.value)
                     L = run_program(scene, program, point)
                     if np.isfinite(average(L)):

@@ -4,7 +4,7 @@
 import numpy as np
 
 from ..jit import kernel
-from ..linalg import scalar_math, vector_math
+from ..linalg import color, scalar_math, vector_math
 from ..linalg.scalar_math import clamp, clamp_range
 from ..linalg.vec3 import Vec3, luminance
 from .opcodes import CLAMPED, CLAMPED_RESULT, Op, Range
@@ -30,7 +30,7 @@ def run(scene, op, point, registers):
         give_number(op, registers, a * (1.0 - t) + number(op, registers, 2) * t)
     elif code == Op.MIX_VECTOR:
         t, a = vector(op, registers, 0), vector(op, registers, 1)
-        t = Vec3(saturate(t.x), saturate(t.y), saturate(t.z)) if op.mode & CLAMPED else t
+        t = color.saturate(t) if op.mode & CLAMPED else t
         give_vector(op, registers, a + (vector(op, registers, 2) - a) * t)
     elif code == Op.COMBINE:
         give_vector(op, registers, Vec3(number(op, registers, 0), number(op, registers, 1), number(op, registers, 2)))
