@@ -205,11 +205,17 @@ def test_numbers_stay_below_one():
     assert points.max() < 1.0
 
 
-def test_numbers_are_float32():
-    for function in (sample_2d, sample_1d):
-        result = [s.return_type for s in function.nopython_signatures]
-        assert result
-        assert all(r in (numba.float32, numba.types.UniTuple(numba.float32, 2)) for r in result)
+@pytest.mark.parametrize(
+    ("function", "result"), [(sample_1d, numba.float32), (sample_2d, numba.types.UniTuple(numba.float32, 2))]
+)
+def test_numbers_are_float32(function, result):
+    @numba.njit  # without a cache: what comes from one has not looked at the types of what it calls
+    def call(settings):
+        return function(make_sampler(make_sequence(settings, 0, 7), 0), 0)
+
+    call(Settings())
+    assert function.nopython_signatures
+    assert all(signature.return_type == result for signature in function.nopython_signatures)
 
 
 def test_hash_is_a_bijection_that_changes_half_of_all_bits():
