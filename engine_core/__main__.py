@@ -19,7 +19,7 @@ def main(arguments=None):
     commands = parser.add_subparsers(dest="command", required=True)
     render = commands.add_parser("render", help="render a scene file to a picture")
     render.add_argument("scene")
-    render.add_argument("-o", "--output", help="picture: .png, .exr or .npy (default: the scene's name, .png)")
+    render.add_argument("-o", "--output", help="picture: .png, .exr, .ppm or .npy (default: the scene's name, .png)")
     render.add_argument("--samples", type=int, help="samples per pixel")
     render.add_argument("--seed", type=int)
     render.add_argument("--sampler", choices=[kind.name.lower() for kind in SamplerKind])

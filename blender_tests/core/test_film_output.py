@@ -12,6 +12,7 @@ from PIL import Image
 import engine_core
 from blender_tests.helpers.scenes import builder, settings, sphere
 from engine_core.__main__ import main
+from engine_core.film.output import save_image
 from engine_core.integrator.tiles import Render
 from engine_core.scene.files import save_scene
 from engine_core.scene.materials import Diffuse
@@ -61,6 +62,31 @@ def test_a_file_holds_the_picture(scene, file, tmp_path):
     render = Render(scene, settings(24, samples=4, seed=3))
     render.run()
     np.testing.assert_array_equal(np.load(out)[::-1], render.image("Combined"))
+
+
+def test_a_ppm_can_be_read_and_shows_what_a_png_shows(file, tmp_path):
+    """The plain text is parsed here, without a library; Pillow, which reads such files, sees the same."""
+    ppm, png = tmp_path / "out.ppm", tmp_path / "out.png"
+    for path in (ppm, png):
+        assert main(["render", file, "-o", str(path)]) == 0
+    lines = ppm.read_text(encoding="ascii").splitlines()
+    assert "# lambent.integrator: path" in lines
+    magic, size, largest, *rows = [line for line in lines if not line.startswith("#")]
+    assert (magic, size, largest) == ("P3", "24 24", "255")
+    numbers = np.array([row.split() for row in rows], int).reshape(24, 24, 3)
+    np.testing.assert_array_equal(numbers, np.asarray(Image.open(png).convert("RGB")))
+    np.testing.assert_array_equal(numbers, np.asarray(Image.open(ppm)))
+
+
+def test_a_ppm_goes_from_left_to_right_and_from_top_to_bottom_over_black(tmp_path):
+    pixels = np.zeros((2, 3, 4), np.float32)  # bottom row first
+    pixels[1, 0] = (1.0, 0.0, 0.0, 1.0)
+    pixels[0, 2] = (0.0, 0.0, 4.0, 1.0)
+    pixels[0, 0] = (0.214, 0.214, 0.214, 0.5)
+    save_image(tmp_path / "flag.ppm", pixels)
+    lines = (tmp_path / "flag.ppm").read_text().splitlines()
+    assert lines[:3] == ["P3", "3 2", "255"]
+    assert lines[3:] == ["255 0 0", "0 0 0", "0 0 0", "127 127 127", "0 0 0", "0 0 255"]
 
 
 def test_the_command_line_stops_at_a_noise_target(file, tmp_path):
