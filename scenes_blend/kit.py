@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the scenes are made of: objects, materials, textures, node groups, the camera and the world."""
+"""What the scenes are made of: objects, materials and their nodes, node groups, the camera and the world."""
 
 import math
 
@@ -75,11 +75,13 @@ def made_of_points(name, positions, radii, group, **inputs):
     points = bpy.data.meshes.new(name)
     points.from_pydata(positions, [], [])
     attribute(points, "radius", "FLOAT", radii)
-    modifier = add(name, points).modifiers.new(group.name, "NODES")
+    b_object = add(name, points)
+    modifier = b_object.modifiers.new(group.name, "NODES")
     modifier.node_group = group
     for item in group.interface.items_tree:
         if item.in_out == "INPUT" and item.name in inputs:
             modifier[item.identifier] = inputs[item.name]
+    return b_object
 
 
 def attribute(b_mesh, name, data_type, values):
@@ -115,6 +117,55 @@ def shader(tree, kind, **inputs):
     return node
 
 
+def wired_material(name):
+    """A material without nodes but for its output: (material, tree, the output's socket)."""
+    b_material = bpy.data.materials.new(name)
+    b_material.use_nodes = True
+    tree = b_material.node_tree
+    tree.nodes.clear()
+    return b_material, tree, tree.nodes.new("ShaderNodeOutputMaterial").inputs["Surface"]
+
+
+def calculate(tree, kind, operation, *values):
+    """The output of a new node of maths, `kind` Math or VectorMath, of numbers or other outputs."""
+    node = tree.nodes.new(f"ShaderNode{kind}")
+    node.operation = operation
+    for socket, value in zip(node.inputs, values, strict=False):
+        plug(tree, value, socket)
+    return next(socket for socket in node.outputs if socket.enabled)
+
+
+def blend(tree, factor, low, high):
+    """The output of a new node that goes from one colour to another, while the factor goes from 0 to 1."""
+    node = tree.nodes.new("ShaderNodeMix")
+    node.data_type = "RGBA"
+    factors, lows, highs = (node.inputs[number] for number in (0, 6, 7))
+    for value, socket in ((factor, factors), (low, lows), (high, highs)):
+        plug(tree, value, socket)
+    return node.outputs[2]
+
+
+def plug(tree, value, socket):
+    """Put a number, a colour or vector, or the output of a node into a socket."""
+    if isinstance(value, bpy.types.NodeSocket):
+        tree.links.new(value, socket)
+    elif isinstance(value, tuple):
+        socket.default_value = (*value, 1.0)[: len(socket.default_value)]
+    else:
+        socket.default_value = value
+
+
+def arrange(tree):
+    """Nodes in columns, by how far they are from the output, so that the wires go from left to right."""
+    column = dict.fromkeys(tree.nodes, 0)
+    for _ in tree.nodes:
+        for link in tree.links:
+            column[link.from_node] = max(column[link.from_node], column[link.to_node] + 1)
+    for node in tree.nodes:
+        above = [other for other in tree.nodes if column[other] == column[node]].index(node)
+        node.location = (-220 * column[node], -260 * above)
+
+
 def image(name, picture, is_float=False):
     """A picture, (height, width, 3), lowest row first, in the file: OpenEXR if `is_float`, else PNG with 8 bits."""
     height, width = picture.shape[:2]
@@ -138,6 +189,17 @@ def world(scene, color):
     scene.world = bpy.data.worlds.new("World")
     scene.world.use_nodes = True
     scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (*color, 1.0)
+
+
+def sky(scene):
+    """White at the horizon, blue above, as behind the first pictures of P. Shirley, "Ray Tracing in One Weekend"."""
+    world(scene, (1, 1, 1))
+    tree = scene.world.node_tree
+    split = tree.nodes.new("ShaderNodeSeparateXYZ")
+    plug(tree, tree.nodes.new("ShaderNodeTexCoord").outputs["Generated"], split.inputs[0])  # the direction
+    height = calculate(tree, "Math", "MULTIPLY_ADD", split.outputs["Z"], 0.5, 0.5)
+    plug(tree, blend(tree, height, (1.0, 1.0, 1.0), (0.5, 0.7, 1.0)), tree.nodes["Background"].inputs["Color"])
+    arrange(tree)
 
 
 def camera(scene, location, target, field_of_view, size):
