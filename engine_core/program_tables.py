@@ -23,6 +23,7 @@ class ClosureKind(IntEnum):
     SHEEN = 11
     VELVET = 12
     ASHIKHMIN_SHIRLEY = 13
+    SUBSURFACE = 14
 
 
 class TexelFormat(IntEnum):
@@ -53,6 +54,7 @@ CLOSURE = np.dtype(
         ("kind", "i4"),  # ClosureKind
         ("layer", "i4"),  # as in LOBE
         ("multiscatter", "i4"),
+        ("subsurface", "i4"),  # SubsurfaceKind
         ("patches", "i4"),  # rows of PATCH: fields that the program fills in
         ("patch_count", "i4"),
         ("weight", "f4"),  # mix factor
@@ -67,6 +69,10 @@ CLOSURE = np.dtype(
         ("specular_level", "f4"),
         ("transmission", "f4"),
         ("diffuse_roughness", "f4"),
+        ("subsurface_weight", "f4"),
+        ("subsurface_radius", "f4", (3,)),  # metres
+        ("subsurface_ior", "f4"),
+        ("subsurface_anisotropy", "f4"),
         ("sheen_weight", "f4"),
         ("sheen_roughness", "f4"),
         ("sheen_tint", "f4", (3,)),

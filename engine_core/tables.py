@@ -61,6 +61,7 @@ class LobeKind(IntEnum):
     SHEEN = 10  # fine fibres: alpha_x is the roughness
     VELVET = 11  # Ashikhmin's velvet: alpha_x is the roughness
     ASHIKHMIN_SHIRLEY = 12  # glossy reflection by powers of cosines, without Fresnel
+    SUBSURFACE = 13  # the way in for light that is scattered below the surface: f0 is its colour, f82 its radius
 
 
 TRANSMITTING = (LobeKind.DIELECTRIC, LobeKind.REFRACTION, LobeKind.TRANSLUCENT)
@@ -72,6 +73,14 @@ class FresnelKind(IntEnum):
     CONSTANT = 0  # f0 at every angle: Glossy
     F82 = 1  # f0 at 0 degrees, tinted by f82 at 82 degrees: Principled metal, Metallic (Kutz et al. 2021)
     CONDUCTOR = 2  # complex index of refraction f0 + i f82: physical Metallic
+
+
+class SubsurfaceKind(IntEnum):
+    """How light scatters below a surface: Blender's methods of random walk."""
+
+    RANDOM_WALK = 0  # the radius is the mean free path; the medium's albedo by d'Eon's fit
+    LEGACY = 1  # by that of Chiang et al. and Wrenninge et al.; the mean free path is the radius / 4 pi, by 1 - g
+    SKIN = 2  # likewise; the radius is that of diffusion, and half of the light enters as if the surface were matt
 
 
 class LightKind(IntEnum):
@@ -110,6 +119,7 @@ class MaterialFlag(IntFlag):
     TRANSPARENT = 2  # has a TRANSPARENT lobe: shadow rays pass, dimmed
     ONE_SIDED = 4  # emits from the front of its faces only
     TRANSMITS = 8  # a lobe scatters light through to the other side
+    SUBSURFACE = 16  # has a SUBSURFACE lobe: rays walk below its surface, so objects of it have trees of their own
 
 
 # ---- Geometry --------------------------------------------------------------------------------------------------------
@@ -174,11 +184,12 @@ LOBE = np.dtype(
         ("alpha_x", "f4"),  # microfacet widths, roughness ** 2; 0 is a perfect mirror
         ("alpha_y", "f4"),
         ("ior", "f4"),  # inside over outside, as on the material; at a hit: far side over near side
-        ("fresnel", "i4"),  # FresnelKind
+        ("fresnel", "i4"),  # FresnelKind; SUBSURFACE: SubsurfaceKind
         ("f0", "f4", (3,)),
         ("f82", "f4", (3,)),
         ("reflect_tint", "f4", (3,)),  # DIELECTRIC: colours of the two halves
         ("refract_tint", "f4", (3,)),
+        ("g", "f4"),  # SUBSURFACE: anisotropy of its phase function
         ("multiscatter", "i4"),  # 1: compensate the energy that single scattering loses (Turquin 2019)
         ("energy_scale", "f4"),  # at a hit: what that compensation came to
         ("layer", "i4"),  # lobes of one layer number lie under the covering ones before them; 0: under none

@@ -165,7 +165,6 @@ class Translation:
 
     def _bsdf_principled(self, i):
         i.left_out("Coat Normal")
-        i.taken_as({"Subsurface Weight": 0.0})
         anisotropy, tangent = i.anisotropy("Anisotropic", "Anisotropic Rotation")
         i.taken_as({"Thin Film Thickness": 0.0, "Thin Wall": False})
         return m.Principled(
@@ -180,6 +179,7 @@ class Translation:
             tangent=tangent,
             transmission=i.number("Transmission Weight"),
             diffuse_roughness=i.number_or("Diffuse Roughness", 0.0),
+            **self._subsurface(i),
             sheen_weight=i.number("Sheen Weight"),
             sheen_roughness=i.number("Sheen Roughness"),
             sheen_tint=i.color("Sheen Tint"),
@@ -191,6 +191,30 @@ class Translation:
             emission_strength=i.number("Emission Strength"),
             multiscatter=i.is_multiscatter(),
             normal=i.normal(),
+        )
+
+    def _subsurface(self, i):
+        """What a Principled BSDF has below its surface."""
+        weight = i.number("Subsurface Weight")
+        if graph.is_constant(weight) and weight <= 0.0:
+            return {}
+        return {
+            "subsurface_weight": weight,
+            "subsurface_radius": graph.scaled(i.color("Subsurface Radius"), i.number("Subsurface Scale")),
+            "subsurface_ior": i.number("Subsurface IOR"),
+            "subsurface_anisotropy": i.number("Subsurface Anisotropy"),
+            "subsurface_kind": i.subsurface_kind("subsurface_method"),
+        }
+
+    def _subsurface_scattering(self, i):
+        return m.Subsurface(
+            i.color("Color"),
+            graph.scaled(i.color("Radius"), i.number("Scale")),
+            i.number("Roughness"),
+            i.number("IOR"),
+            i.number("Anisotropy"),
+            i.subsurface_kind("falloff"),
+            i.normal(),
         )
 
     def _bsdf_sheen(self, i):
@@ -207,10 +231,8 @@ class Translation:
         self.warn(i.node, f"{i.node.bl_label} is not rendered yet; {type(closure).__name__} instead")
         return closure
 
-    def _subsurface_scattering(self, i):
+    def _bsdf_hair_principled(self, i):
         return self._instead(i, m.Diffuse(i.color("Color")))
-
-    _bsdf_hair_principled = _subsurface_scattering
 
     def _bsdf_hair(self, i):
         return self._instead(i, m.Glossy(i.color("Color"), i.number("RoughnessU")))
@@ -276,6 +298,16 @@ class Inputs:
         if distribution not in ("GGX", "MULTI_GGX"):
             self.translation.warn(self.node, f"{distribution.title()} is not rendered; GGX instead")
         return distribution == "MULTI_GGX"
+
+    def subsurface_kind(self, setting):
+        """The SubsurfaceKind that a menu of the node says. What Blender 4 calls random walk, 5.2 calls legacy."""
+        method = getattr(self.node, setting)
+        if method == "BURLEY":  # its radius is that of the legacy walk
+            self.translation.warn(self.node, "Christensen-Burley is not rendered; Random Walk (Legacy) instead")
+            return m.SubsurfaceKind.LEGACY
+        if method == "RANDOM_WALK" and "RANDOM_WALK_LEGACY" not in self.node.bl_rna.properties[setting].enum_items:
+            return m.SubsurfaceKind.LEGACY
+        return m.SubsurfaceKind[method.removeprefix("RANDOM_WALK_")]
 
     def left_out(self, *names):
         """Warn of inputs that are linked, and are not rendered."""

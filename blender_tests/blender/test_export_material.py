@@ -75,6 +75,31 @@ def test_a_node_becomes_its_closure(tree, kind, inputs, expected):
     assert numbers(closure) == close(expected)
 
 
+@pytest.mark.parametrize("method", ["RANDOM_WALK", "RANDOM_WALK_SKIN", "RANDOM_WALK_LEGACY"])
+def test_subsurface_scattering_has_its_method_and_its_radius_in_metres(tree, method):
+    """Blender 4 has but one random walk besides that for skin: the one that later became the legacy one."""
+    b_node = node(tree, "SubsurfaceScattering", Color=COLOR, Radius=(1, 2, 3), Scale=0.1, Roughness=0.3)
+    legacy = "RANDOM_WALK_LEGACY" in b_node.bl_rna.properties["falloff"].enum_items
+    b_node.falloff = method if legacy else method.removesuffix("_LEGACY")
+    kind = {"RANDOM_WALK_SKIN": "SKIN", "RANDOM_WALK": "RANDOM_WALK" if legacy else "LEGACY"}.get(method, "LEGACY")
+    expected = m.Subsurface(RGB, (0.1, 0.2, 0.3), 0.3, kind=m.SubsurfaceKind[kind])
+    assert numbers(surface(tree, b_node)) == close(expected)
+    weighted = node(tree, "BsdfPrincipled", Subsurface_Weight=0.4, Subsurface_Radius=(1, 2, 3), Subsurface_Scale=0.1)
+    weighted.subsurface_method = b_node.falloff
+    closure = surface(tree, weighted)
+    assert (closure.subsurface_weight, closure.subsurface_kind) == (pytest.approx(0.4), expected.kind)
+    assert closure.subsurface_radius == pytest.approx(expected.radius)
+
+
+def test_christensen_burley_is_told_to_be_a_random_walk(tree):
+    b_node = node(tree, "SubsurfaceScattering")
+    b_node.falloff = "BURLEY"
+    link(tree, b_node, output_node(tree))
+    closure, (warning,) = translated()
+    assert closure.kind == m.SubsurfaceKind.LEGACY
+    assert "Christensen-Burley is not rendered" in warning
+
+
 def test_a_physical_metal_has_a_complex_index_of_refraction(tree):
     b_node = node(tree, "BsdfMetallic", IOR=(1.1, 1.2, 1.3), Extinction=(2.1, 2.2, 2.3))
     b_node.fresnel_type, b_node.distribution = "PHYSICAL_CONDUCTOR", "GGX"

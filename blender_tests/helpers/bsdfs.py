@@ -6,7 +6,7 @@ import numpy as np
 from engine_core.bsdf import dispatch
 from engine_core.jit import kernel
 from engine_core.linalg.vec3 import Vec3
-from engine_core.tables import BSDF, MAX_LOBES, FresnelKind, LobeKind
+from engine_core.tables import BSDF, MAX_LOBES, FresnelKind, LobeKind, SubsurfaceKind
 
 GOLD = {"f0": (0.18, 0.42, 1.37), "f82": (3.42, 2.35, 1.77)}  # n and k at 650, 550 and 450 nm
 
@@ -30,6 +30,11 @@ CASES = {
     LobeKind.TOON_GLOSSY: {"": _widths(0.3, 0.2), "sharp": {"alpha_x": 0.2871}},
     LobeKind.SHEEN: {"": {"alpha_x": 0.5}, "soft": {"alpha_x": 1.0}, "sharp": {"alpha_x": 0.15}},
     LobeKind.ASHIKHMIN_SHIRLEY: {"": _widths(0.3), "sharp": _widths(0.02), "stretched": _widths(0.5, 0.1)},
+    LobeKind.SUBSURFACE: {
+        "smooth": {"ior": 1.4},
+        "blurred": {**_widths(0.5), "ior": 1.8},
+        "skin": {**_widths(1.0), "ior": 1.4, "fresnel": SubsurfaceKind.SKIN},
+    },
     LobeKind.VELVET: {"": {"alpha_x": 0.4}, "soft": {"alpha_x": 1.0}, "sharp": {"alpha_x": 0.1}},
     LobeKind.CONDUCTOR: {
         "mirror": {},
@@ -74,6 +79,7 @@ WORLD = np.eye(3)
 # Those that scatter in single directions only
 DELTAS = ["TRANSPARENT", "CONDUCTOR mirror", "COATING smooth", "REFRACTION smooth"]
 DELTAS += ["DIELECTRIC smooth", "DIELECTRIC smooth from inside", "DIELECTRIC index of the air"]
+DELTAS += ["SUBSURFACE smooth", "SUBSURFACE blurred", "SUBSURFACE skin"]
 
 
 def lobe(kind, **fields):

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from blender_tests.helpers.scenes import CUBE_CORNERS, CUBE_TRIANGLES, box, builder, cube, picture, plane, quad, sphere
-from engine_core.scene.materials import Diffuse, Emission, Glass, Metallic, Mix, Translucent
+from engine_core.scene.materials import Diffuse, Emission, Glass, Metallic, Mix, Principled, Subsurface, Translucent
 from engine_core.scene.targets import Aim
 from engine_core.settings import IntegratorKind
-from engine_core.tables import Visibility
+from engine_core.tables import SubsurfaceKind, Visibility
 
 WALLS, LIGHT = Diffuse((0.7, 0.6, 0.5)), Emission((1, 0.9, 0.8), 4.0)
 CEILING = np.array([[0.5, 0, 0, 0], [0, 0.5, 0, 0], [0, 0, 1, 0.95], [0, 0, 0, 1]])
@@ -40,6 +40,18 @@ def targets_in_each_other():
     sphere(b, Diffuse((0.9, 0.2, 0.1)), (0.2, 0.3, -0.5), 0.15, **ALWAYS)
     box(b, Glass(roughness=0.3, ior=1.2), at(0.2, 0.3, -0.5, 0.4), **ALWAYS)
     box(b, Metallic((0.9, 0.8, 0.7), (1, 1, 1), roughness=0.2), at(-0.5, 0.4, -0.7, 0.25), **ALWAYS)
+    return b
+
+
+def light_below_surfaces():
+    """A ball of two kinds of wax, and a stretched cube of skin under a varnish; what is in them does not matter."""
+    b = room()
+    quad(b, LIGHT, DOWN)
+    deep, shallow = Subsurface((0.8, 0.5, 0.2), (0.3, 0.1, 0.05)), Subsurface((0.2, 0.5, 0.8), (0.02, 0.01, 0.01))
+    sphere(b, Mix(0.5, deep, shallow), (0.3, 0.3, -0.5), 0.35)
+    sphere(b, Metallic((1, 1, 1), (1, 1, 1), roughness=0.3), (0.3, 0.3, -0.5), 0.1)
+    skin = {"subsurface_weight": 0.7, "subsurface_radius": (0.3, 0.2, 0.1), "subsurface_kind": SubsurfaceKind.SKIN}
+    cube(b, Principled((0.9, 0.8, 0.7), roughness=0.3, **skin), at(-0.5, 0.4, -0.6) @ np.diag([0.3, 0.2, 0.35, 1.0]))
     return b
 
 
@@ -132,6 +144,7 @@ def lights_that_some_rays_see():
 
 
 ROOMS = (
+    light_below_surfaces,
     lights_that_some_rays_see,
     targets_in_each_other,
     camera_in_a_target,

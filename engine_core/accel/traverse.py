@@ -128,14 +128,19 @@ def intersect_instances(scene, root, o, d, t_max, visibility):
         instance = scene.instances[row]
         if instance.visibility & visibility == 0:
             continue
-        local_o = transform_point(instance, "to_object", o)
-        local_d = transform_vector(instance, "to_object", d)  # not normalised: t stays what it is
-        if instance.kind == TRIANGLES:
-            found = intersect_triangles(scene, instance.root, local_o, local_d, result.t)
-        else:
-            found = intersect_shapes(scene, instance.root, local_o, local_d, ZERO, result.t)
+        found = intersect_instance(scene, instance, o, d, result.t)
         if found.prim >= 0:
             result = Hit(found.t, np.int64(instance.kind), found.prim, row, found.b1, found.b2)
+
+
+@kernel
+def intersect_instance(scene, instance, o, d, t_max):
+    """The first triangle or shape of one instance that has a tree of its own."""
+    local_o = transform_point(instance, "to_object", o)
+    local_d = transform_vector(instance, "to_object", d)  # not normalised: t stays what it is
+    if instance.kind == TRIANGLES:
+        return intersect_triangles(scene, instance.root, local_o, local_d, t_max)
+    return intersect_shapes(scene, instance.root, local_o, local_d, ZERO, t_max)
 
 
 # ---- Is anything in the way ------------------------------------------------------------------------------------------

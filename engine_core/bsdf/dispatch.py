@@ -26,6 +26,7 @@ from . import (
     refraction,
     rough_diffuse,
     sheen,
+    subsurface,
     toon_diffuse,
     toon_glossy,
     translucent,
@@ -164,6 +165,22 @@ def albedo(bsdf, wo):
 
 
 @kernel
+def chosen_lobe(bsdf, u_lobe):
+    """Number of the lobe that `sample` chooses by `u_lobe`; -1 if all are black."""
+    return _choose_lobe(bsdf, u_lobe)[0]
+
+
+@kernel
+def become_matt(bsdf):
+    """Nothing but a white diffuse lobe: where light comes out that was scattered below the surface."""
+    bsdf.count = 1
+    lobe = bsdf.lobes[0]
+    lobe.kind = LobeKind.DIFFUSE
+    store3(lobe, "weight", WHITE)
+    lobe.multiscatter = 0
+
+
+@kernel
 def _choose_lobe(bsdf, u):
     """(lobe, its pmf, u as good as new); -1 if all are black."""
     if bsdf.count == 1:
@@ -295,6 +312,8 @@ def lobe_evaluate_and_pdf(lobe, wo, wi):
         return velvet.evaluate_and_pdf(lobe, wo, wi)
     if lobe.kind == LobeKind.ASHIKHMIN_SHIRLEY:
         return ashikhmin_shirley.evaluate_and_pdf(lobe, wo, wi)
+    if lobe.kind == LobeKind.SUBSURFACE:
+        return subsurface.evaluate_and_pdf(lobe, wo, wi)
     return nothing()
 
 
@@ -326,6 +345,8 @@ def lobe_sample(lobe, wo, u_choice, u0, u1):
         return velvet.sample(lobe, wo, u_choice, u0, u1)
     if lobe.kind == LobeKind.ASHIKHMIN_SHIRLEY:
         return ashikhmin_shirley.sample(lobe, wo, u_choice, u0, u1)
+    if lobe.kind == LobeKind.SUBSURFACE:
+        return subsurface.sample(lobe, wo, u_choice, u0, u1)
     return no_direction()
 
 
@@ -358,6 +379,8 @@ def lobe_albedo(lobe, wo):
         return velvet.albedo(lobe, wo)
     if lobe.kind == LobeKind.ASHIKHMIN_SHIRLEY:
         return ashikhmin_shirley.albedo(lobe, wo)
+    if lobe.kind == LobeKind.SUBSURFACE:
+        return subsurface.albedo(lobe, wo)
     return BLACK
 
 
@@ -369,4 +392,4 @@ def is_delta(lobe):
         return passes_straight(lobe)
     if kind == LobeKind.CONDUCTOR or kind == LobeKind.COATING:
         return is_smooth(lobe)
-    return kind == LobeKind.TRANSPARENT
+    return kind == LobeKind.TRANSPARENT or kind == LobeKind.SUBSURFACE

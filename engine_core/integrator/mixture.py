@@ -13,6 +13,7 @@ from ..bsdf.dispatch import BsdfSample
 from ..jit import kernel
 from ..linalg.vec3 import BLACK
 from ..sampling.sobol import sample_1d, sample_2d
+from ..tables import LobeKind
 from . import targets
 from .direct import sample_delta
 from .targets import NO_TARGET
@@ -23,6 +24,7 @@ from .walk import (
     dimension_of,
     follow,
     gather_direct,
+    go_below,
     is_last,
     make_bsdf,
     new_bsdf,
@@ -62,6 +64,8 @@ def trace(scene, settings, sampler, o, d, t_max):
         # ---- Choose where to go ----------------------------------------------------------------------------------
         u0, u1 = sample_2d(sampler, dimension + 2)
         s = sample_mixture(scene, it.p, bsdf, wo, u_lobe, u_target, u0, u1)
+        if s.kind == LobeKind.SUBSURFACE:
+            go_below(walk, sampler, it, bsdf, u_lobe)
         if not follow(settings, walk, it, s, ZERO):
             break
 

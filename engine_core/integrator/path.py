@@ -4,6 +4,7 @@
 from ..bsdf import dispatch as bsdf_dispatch
 from ..jit import kernel
 from ..sampling.sobol import sample_2d
+from ..tables import LobeKind
 from .direct import sample_direct
 from .walk import (
     ZERO,
@@ -12,6 +13,7 @@ from .walk import (
     dimension_of,
     follow,
     gather_direct,
+    go_below,
     is_last,
     make_bsdf,
     new_bsdf,
@@ -50,6 +52,8 @@ def trace(scene, settings, sampler, o, d, t_max):
         # ---- Choose where to go ----------------------------------------------------------------------------------
         u0, u1 = sample_2d(sampler, dimension + 2)
         s = bsdf_dispatch.sample(bsdf, wo, u_lobe, u0, u1)
+        if s.kind == LobeKind.SUBSURFACE:
+            go_below(walk, sampler, it, bsdf, u_lobe)
         if not follow(settings, walk, it, s, ZERO if s.is_delta else s.pdf):
             break
 

@@ -8,6 +8,7 @@ of the file.
 from ..bsdf import dispatch as bsdf_dispatch
 from ..jit import kernel
 from ..sampling.sobol import sample_2d
+from ..tables import LobeKind
 from .direct import sample_delta
 from .walk import (
     ZERO,
@@ -16,6 +17,7 @@ from .walk import (
     dimension_of,
     follow,
     gather_direct,
+    go_below,
     is_last,
     make_bsdf,
     new_bsdf,
@@ -52,6 +54,8 @@ def trace(scene, settings, sampler, o, d, t_max):
         # ---- Choose where to go ----------------------------------------------------------------------------------
         u0, u1 = sample_2d(sampler, dimension + 2)
         s = bsdf_dispatch.sample(bsdf, wo, u_lobe, u0, u1)
+        if s.kind == LobeKind.SUBSURFACE:
+            go_below(walk, sampler, it, bsdf, u_lobe)
         if not follow(settings, walk, it, s, ZERO):
             break
 

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..accel.traverse import intersect_closest
+from ..accel.traverse import Hit, intersect_closest
 from ..bsdf import dispatch as bsdf_dispatch
 from ..bsdf.lobe import is_matt
 from ..jit import kernel
@@ -24,6 +24,7 @@ from ..shader.point import set_surface
 from ..shape.interaction import make_interaction
 from ..tables import BSDF, CameraKind, LobeKind, MaterialFlag, Visibility
 from .direct import Origin, background_radiance, lamp_radiance, surface_emission
+from .subsurface import BELOW, prepare_walk, walk_below
 
 # Dimensions of a sample, in pairs: 0 the pixel filter, 1 the lens, then four for each vertex of the path: two choices
 # (which light, which lobe), a point on a light or two more choices, a direction, Russian roulette.
@@ -31,6 +32,7 @@ FIRST_DIMENSION, DIMENSIONS_PER_VERTEX = 2, 4
 FAR, ZERO = np.float32(np.inf), np.float32(0.0)
 BUMP_WIDTH = np.float32(0.1)  # pixels, over which slopes of bumps are taken, as Cycles' filter width
 CAMERA = Visibility.CAMERA.value
+ABOVE, DESCENDING, EMERGING = 0, 1, 2  # of the path to the surface: scattered by it; about to walk below; coming out
 
 WALK = np.dtype(
     [
@@ -54,6 +56,9 @@ WALK = np.dtype(
         ("glossy_bounces", "i4"),
         ("transmission_bounces", "i4"),
         ("transparent_bounces", "i4"),
+        ("side", "i4"),  # ABOVE, DESCENDING or EMERGING
+        ("descents", "i4"),  # walks below surfaces so far
+        ("below", BELOW),
         ("ends_here", "i4"),  # 1: the limits allow no more scattering: gather emission and stop
         ("first_p", "f4", (3,)),  # the first vertex, for the passes
         ("first_normal", "f4", (3,)),
@@ -90,7 +95,8 @@ def set_out(walk, o, d, t_max):
     store3(walk, "first_albedo", WHITE)
     walk.t_max, walk.visibility, walk.alpha = t_max, CAMERA, np.float32(1.0)
     walk.pdf_last = walk.distance = walk.t = ZERO
-    walk.both_sides = walk.both_sides_last = 0
+    walk.both_sides = walk.both_sides_last = walk.descents = 0
+    walk.side = ABOVE
     walk.bounces = walk.diffuse_bounces = walk.glossy_bounces = walk.transmission_bounces = 0
     walk.transparent_bounces = walk.ends_here = walk.first_hit = 0
 
@@ -104,6 +110,8 @@ def origin_of(walk):
 @kernel
 def advance(scene, settings, walk):
     """Follow the ray to what it hits, a Hit with a prim of -1 if nothing; gather what shines on the way."""
+    if walk.side == DESCENDING:
+        return emerge(scene, walk)
     o, d, visibility = load3(walk, "o"), load3(walk, "d"), walk.visibility
     origin = origin_of(walk)
     hit = intersect_closest(scene, o, d, walk.t_max, visibility)
@@ -121,6 +129,22 @@ def advance(scene, settings, walk):
 
 
 @kernel
+def emerge(scene, walk):
+    """Where the light comes out that went below a surface, as hit from outside; a prim of -1 if nowhere."""
+    below = walk.below
+    store3(below, "o", load3(walk, "o"))
+    store3(below, "d", load3(walk, "d"))
+    store3(below, "beta", load3(walk, "beta"))
+    walk_below(scene, below, walk.point)
+    store3(walk, "o", load3(below, "o"))
+    store3(walk, "d", load3(below, "d"))
+    store3(walk, "beta", load3(below, "beta"))
+    walk.t, walk.side = below.t, EMERGING
+    kind = np.int64(scene.instances[below.instance].kind)
+    return Hit(below.t, kind, np.int64(below.prim), np.int64(below.instance), below.b1, below.b2)
+
+
+@kernel
 def arrive(scene, settings, walk, hit):
     """The Interaction with what was hit; gather what shines there."""
     d = load3(walk, "d")
@@ -128,7 +152,7 @@ def arrive(scene, settings, walk, hit):
     material = scene.materials[it.material]
     if has_program(material):
         set_point(scene, settings, walk, it, hit)
-    if material.flags & MaterialFlag.EMISSIVE.value:
+    if material.flags & MaterialFlag.EMISSIVE.value and walk.side == ABOVE:
         Le = emission(scene, material, walk.point)
         L = surface_emission(scene, it, Le, d, origin_of(walk), walk.distance + hit.t)
         gather(walk, L, limit_of_found(settings, walk))
@@ -190,6 +214,9 @@ def make_bsdf(scene, settings, walk, it, bsdf):
         not spreads or settings.reflective_caustics != 0,
         not spreads or settings.refractive_caustics != 0,
     )
+    if walk.side == EMERGING:
+        walk.side = ABOVE
+        bsdf_dispatch.become_matt(bsdf)
     bsdf_dispatch.prepare(bsdf, wo, it.backfacing)
     walk.both_sides = scene.materials[it.material].flags & MaterialFlag.TRANSMITS.value != 0
     if walk.first_hit == 0:
@@ -203,7 +230,15 @@ def make_bsdf(scene, settings, walk, it, bsdf):
 @kernel
 def dimension_of(walk):
     """The first of the vertex' dimensions of the sampler."""
-    return FIRST_DIMENSION + DIMENSIONS_PER_VERTEX * (walk.bounces + walk.transparent_bounces)
+    return FIRST_DIMENSION + DIMENSIONS_PER_VERTEX * (walk.bounces + walk.transparent_bounces + walk.descents)
+
+
+@kernel
+def go_below(walk, sampler, it, bsdf, u_lobe):
+    """Tell the walk below the surface where it begins, and by which lobe. No bounce; there is one where it ends."""
+    prepare_walk(walk.below, it, bsdf, sampler, dimension_of(walk), u_lobe)
+    walk.side = DESCENDING
+    walk.descents += 1
 
 
 @kernel
@@ -217,9 +252,9 @@ def follow(settings, walk, it, s, pdf):
             return False
         walk.distance += walk.t
         walk.t_max -= walk.t
-    else:
-        if walk.ends_here != 0:
-            return False
+    elif walk.ends_here != 0:
+        return False
+    elif s.kind != LobeKind.SUBSURFACE:
         count_bounce(settings, walk, s)
         store3(walk, "p_last", it.p)
         store3(walk, "n_last", it.ns)

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..accel import build as accel
 from ..accel.instances import instance_boxes
+from ..integrator.subsurface import entries_needed
 from ..light.bounds import is_far
 from ..light.select import prepare_selection
 from ..program_tables import CELL, OBJECT
@@ -88,7 +89,7 @@ class _Assembly:
             camera=self.builder.camera_row,
             world=world,
             **attributes,
-            **shading.programs.tables(),
+            **shading.programs.tables(entries_needed(materials)),
         )
         return self._with_baked_light(scene)
 
@@ -130,6 +131,7 @@ class _Assembly:
             first = self.placements[numbers[0]]
             kind = _kind(self.builder.geometries[geometry])
             in_world = len(numbers) == 1 and first.visibility == Visibility.ALL
+            in_world = in_world and not self._scatters_below(numbers, materials)
             if in_world and (kind == TreeKind.TRIANGLES or self._keeps_shapes(numbers[0])):
                 alone[kind].append(numbers[0])
             else:
@@ -143,6 +145,11 @@ class _Assembly:
                 world[field] = self._tree(kind, [(self.placements[n].geometry, n) for n in alone[kind]])
         self.objects["first_prim"] = [self.first_prims[p.geometry] for p in self.placements]
         self._instance_tree(np.array([n for _, numbers in shared for n in numbers], np.int64), world)
+
+    def _scatters_below(self, users, materials):
+        """Whether rays walk below the surface of one of them: the walk asks the object's own tree."""
+        used = {m for number in users for m in self.placements[number].materials}
+        return bool((materials["flags"][list(used)] & MaterialFlag.SUBSURFACE).any()) if used else False
 
     def _keeps_shapes(self, number):
         rows = self.builder.geometries[self.placements[number].geometry].rows

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from ..accel.nodes import aligned_rows
+from ..integrator.subsurface import entries_needed
 from ..settings import Settings
 from ..shader import link, verify
 from ..tables import LIGHT_WIDTH, MAX_LOBES, MAX_PART_LEVEL, Scene, TreeKind
@@ -60,7 +61,9 @@ def load_scene(path):
         raise SceneError(f"{name}: cannot be read as a scene file ({error})") from None
     check_tables(name, tables)
     families = {int(family) for family in tables["ops"]["family"]}
-    tables["kernels"] = link.kernels(families, len(tables["programs"]) > 1)  # what the file says is of another process
+    # what the file says is of another process
+    entries = entries_needed(tables["materials"])
+    tables["kernels"] = link.kernels(families, len(tables["programs"]) > 1, entries)
     return Scene(**tables), settings
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from ..program_tables import CLOSURE, ClosureKind
 from ..shader import graph
 from ..shader.link import lobes_of
-from ..tables import LOBE, MAX_LOBES, LobeKind
+from ..tables import LOBE, MAX_LOBES, LobeKind, SubsurfaceKind
 
 WHITE = (1.0, 1.0, 1.0)
 
@@ -117,6 +117,19 @@ class Refraction:
 
 
 @dataclass(frozen=True)
+class Subsurface:
+    """Light that walks below the surface, about `radius` metres far, and comes out elsewhere."""
+
+    color: tuple = (0.8, 0.8, 0.8)
+    radius: tuple = (0.005, 0.001, 0.0005)
+    roughness: float = 1.0  # of the surface that it enters through
+    ior: float = 1.4
+    anisotropy: float = 0.0
+    kind: SubsurfaceKind = SubsurfaceKind.RANDOM_WALK
+    normal: object = None
+
+
+@dataclass(frozen=True)
 class Emission:
     """Radiance `color * strength`, W / (m2 sr), from both sides."""
 
@@ -138,6 +151,11 @@ class Principled:
     anisotropic: float = 0.0
     transmission: float = 0.0
     diffuse_roughness: float = 0.0
+    subsurface_weight: float = 0.0
+    subsurface_radius: tuple = (0.005, 0.001, 0.0005)
+    subsurface_ior: float = 1.4
+    subsurface_anisotropy: float = 0.0
+    subsurface_kind: SubsurfaceKind = SubsurfaceKind.RANDOM_WALK
     sheen_weight: float = 0.0
     sheen_roughness: float = 0.5
     sheen_tint: tuple = WHITE
@@ -212,10 +230,11 @@ class _Flattening:
         if not (graph.is_constant(weight) and weight <= 0.0):
             getattr(self, f"_{type(closure).__name__.lower()}")(closure, weight)
 
-    def _row(self, kind, weight, values, multiscatter=False, layer=0):
+    def _row(self, kind, weight, values, multiscatter=False, layer=0, subsurface=0):
         """A row of CLOSURE. `values`: by field; None where nothing is set."""
         row, varying = np.zeros(1, CLOSURE)[0], {}
         row["kind"], row["multiscatter"], row["layer"] = kind, multiscatter, layer
+        row["subsurface"] = subsurface
         for field, value in {"weight": weight, **values}.items():
             if value is None:
                 continue
@@ -287,6 +306,12 @@ class _Flattening:
     def _refraction(self, c, weight):
         self._same(ClosureKind.REFRACTION, c, weight)
 
+    def _subsurface(self, c, weight):
+        values = {"subsurface_radius": c.radius, "subsurface_anisotropy": c.anisotropy}
+        for name in ("color", "roughness", "ior", "normal"):
+            values[name] = getattr(c, name)
+        self._row(ClosureKind.SUBSURFACE, weight, values, subsurface=c.kind)
+
     def _principled(self, c, weight):
         self.layers += 1
         alpha = graph.clamped(c.alpha)
@@ -304,9 +329,11 @@ class _Flattening:
             values[name] = getattr(c, name)
         for name in ("coat_weight", "coat_roughness", "coat_ior", "coat_tint", "diffuse_roughness", "tangent"):
             values[name] = getattr(c, name)
+        for name in ("subsurface_weight", "subsurface_radius", "subsurface_ior", "subsurface_anisotropy"):
+            values[name] = getattr(c, name)
         for name in ("sheen_weight", "sheen_roughness", "sheen_tint"):
             values[name] = getattr(c, name)
-        self._row(ClosureKind.PRINCIPLED, weight, values, c.multiscatter, self.layers)
+        self._row(ClosureKind.PRINCIPLED, weight, values, c.multiscatter, self.layers, c.subsurface_kind)
 
 
 def _merge_equal(rows):

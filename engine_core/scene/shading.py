@@ -56,6 +56,8 @@ class Shading:
             row["program"] = self.programs.add(closures=closures)
             if any(closure["kind"] in TRANSMITTING_CLOSURES for closure, _ in closures):
                 row["flags"] |= MaterialFlag.TRANSMITS
+            if any(_scatters_below(closure, values) for closure, values in closures):
+                row["flags"] |= MaterialFlag.SUBSURFACE
         else:
             lobes, dropped = lower([_with(closure, values) for closure, values in closures])
             if dropped:
@@ -63,6 +65,8 @@ class Shading:
                 self._warn(material.name, text)
             if np.isin(lobes["kind"], TRANSMITTING).any():
                 row["flags"] |= MaterialFlag.TRANSMITS
+            if (lobes["kind"] == LobeKind.SUBSURFACE).any():
+                row["flags"] |= MaterialFlag.SUBSURFACE
         row["emission"], row["emission_program"] = self._value(surface.emission)
         if row["emission"].any():
             row["flags"] |= MaterialFlag.EMISSIVE | (MaterialFlag.ONE_SIDED if material.one_sided else 0)
@@ -113,6 +117,13 @@ def _with(row, values):
     for field, value in values.items():
         row[field] = value
     return row
+
+
+def _scatters_below(closure, varying):
+    if closure["kind"] == ClosureKind.PRINCIPLED:
+        weight = varying.get("subsurface_weight", closure["subsurface_weight"])
+        return not (graph.is_constant(weight) and weight <= 0.0)
+    return closure["kind"] == ClosureKind.SUBSURFACE
 
 
 # ---- What the world's program comes to on average --------------------------------------------------------------------

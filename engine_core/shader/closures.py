@@ -10,15 +10,19 @@ import math
 import numpy as np
 
 from ..jit import kernel
+from ..linalg.color import not_negative
 from ..linalg.records import copy_record
 from ..linalg.vec3 import WHITE, Vec3, average, load3, max_component, store3
 from ..program_tables import ClosureKind
-from ..tables import MAX_LOBES, FresnelKind, LobeKind
+from ..tables import MAX_LOBES, FresnelKind, LobeKind, SubsurfaceKind
 from .maths import saturate
 
 ZERO, ONE = np.float32(0.0), np.float32(1.0)
 NEGLIGIBLE = np.float32(1e-5)  # weights below this are dropped, as Cycles does
 SMALLEST_IOR = np.float32(1e-5)
+LEAST_ENTRY_IOR, MOST_ENTRY_IOR = np.float32(1.01), np.float32(3.8)  # limits of subsurface scattering, as Cycles'
+MOST_ANISOTROPY, MOST_LEGACY_ANISOTROPY = np.float32(0.99), np.float32(0.9)
+LEAST_RADIUS = np.float32(1e-8)  # metres, below which light comes out where it went in
 LEAST_ROUGHNESS = np.float32(0.03)  # below, an Ashikhmin-Shirley lobe is as good as a mirror
 
 
@@ -45,6 +49,8 @@ def add_closure(bsdf, c):
             lobe = bsdf.lobes[i]
             lobe.ior = max(c.ior, SMALLEST_IOR)
             set_alphas(lobe, c.roughness, ONE)
+    elif kind == ClosureKind.SUBSURFACE:
+        add_subsurface(bsdf, c, weight, load3(c, "color"), saturate(c.roughness), c.ior, 0)
     elif ClosureKind.TOON_DIFFUSE <= kind <= ClosureKind.VELVET:
         add_cloth(bsdf, c, weight * load3(c, "color"))
     else:
@@ -157,7 +163,36 @@ def add_principled(bsdf, c, weight):
             store3(specular, "f0", tint)
             specular.multiscatter = c.multiscatter
             set_alphas(specular, c.roughness, stretch)
+    below = saturate(c.subsurface_weight)
+    if below > NEGLIGIBLE:
+        clamped = Vec3(min(base.x, ONE), min(base.y, ONE), min(base.z, ONE))
+        roughness = saturate(c.roughness)
+        entry = c.subsurface_ior if c.subsurface == SubsurfaceKind.SKIN else ior
+        add_subsurface(bsdf, c, weight * below, clamped, roughness * roughness, entry, c.layer)
+        weight = weight * (1.0 - below)
     add_diffuse(bsdf, weight, base, c.diffuse_roughness, c.layer)
+
+
+@kernel
+def add_subsurface(bsdf, c, weight, color, alpha, ior, layer):
+    """Scattering below the surface, entered through a roughness of width `alpha`; matt where light does not get far."""
+    radius, weight = not_negative(load3(c, "subsurface_radius")), weight * color
+    near = Vec3(
+        ONE if radius.x < LEAST_RADIUS else ZERO,
+        ONE if radius.y < LEAST_RADIUS else ZERO,
+        ONE if radius.z < LEAST_RADIUS else ZERO,
+    )
+    new_lobe(bsdf, LobeKind.DIFFUSE, weight * near, layer)
+    i = new_lobe(bsdf, LobeKind.SUBSURFACE, weight * (WHITE - near), layer)
+    if i >= 0:
+        lobe = bsdf.lobes[i]
+        store3(lobe, "f0", color)
+        store3(lobe, "f82", radius)
+        lobe.fresnel = c.subsurface
+        lobe.alpha_x = lobe.alpha_y = ONE if c.subsurface == SubsurfaceKind.SKIN else alpha
+        lobe.ior = min(max(ior, LEAST_ENTRY_IOR), MOST_ENTRY_IOR)
+        most = MOST_ANISOTROPY if c.subsurface == SubsurfaceKind.RANDOM_WALK else MOST_LEGACY_ANISOTROPY
+        lobe.g = min(max(c.subsurface_anisotropy, -MOST_ANISOTROPY), most)
 
 
 @kernel
@@ -211,6 +246,7 @@ def new_lobe(bsdf, kind, weight, layer):
     store3(lobe, "f82", WHITE)
     store3(lobe, "reflect_tint", WHITE)
     store3(lobe, "refract_tint", WHITE)
+    lobe.g = ZERO
     lobe.multiscatter = 0
     lobe.energy_scale = ONE
     lobe.layer = layer

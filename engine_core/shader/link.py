@@ -29,15 +29,21 @@ MACHINE = {
     Entry.VALUE: (machine.run_value, PROGRAM, POINT),
     Entry.LIGHT: (machine.run_light, LIGHT, POINT),
 }
+_others = {}  # provided by rooms above
 _entries, _lock = {}, threading.Lock()
+
+
+def provide(entry, function, subject):
+    """Let an entry point be found here that takes (scene, row of dtype `subject`, point, the same row again)."""
+    _others[entry] = (function, subject, subject)
 
 
 def address(entry):
     """The address of an entry point."""
     with _lock:
         if entry not in _entries:
-            if entry in MACHINE:
-                function, subject, target = MACHINE[entry]
+            if entry in MACHINE or entry in _others:
+                function, subject, target = MACHINE.get(entry) or _others[entry]
                 types = (Scene, subject, POINT, target)
             else:
                 function, types = FAMILIES[entry], (Scene, OP, POINT, REGISTERS)
@@ -45,10 +51,10 @@ def address(entry):
         return _entries[entry].address
 
 
-def kernels(families, has_programs):
-    """The table KERNEL for a scene whose programs use these families."""
+def kernels(families, has_programs, others=()):
+    """The table KERNEL for a scene whose programs use these families, and which needs those others."""
     table = np.zeros(len(Entry), KERNEL)
-    for entry in (*MACHINE, *families) if has_programs else ():
+    for entry in (*(MACHINE if has_programs else ()), *families, *others):
         table["address"][entry] = address(Entry(entry))
     return table
 

@@ -35,6 +35,7 @@ class Entry(IntEnum):
     NOISE = 9
     VORONOI = 10
     GABOR = 11
+    SUBSURFACE = 12  # walk below a surface, see integrator/subsurface.py
 
 
 class Op(IntEnum):

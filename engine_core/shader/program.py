@@ -70,14 +70,14 @@ class ProgramTables:
         """A value that depends on nothing, as numbers; other values as they are."""
         return _known(value, self._constants(nodes_below([value])))
 
-    def tables(self):
-        """Tables of Scene by name."""
+    def tables(self, entries=()):
+        """Tables of Scene by name. `entries`: entry points that the scene needs besides the machine's."""
         return {
             "programs": np.array(self.programs, PROGRAM),
             "ops": np.array(self.ops, OP),
             "closures": np.array(self.closures, CLOSURE),
             "patches": np.array(self.patches, PATCH),
-            "kernels": link.kernels({int(op["family"]) for op in self.ops}, len(self.programs) > 1),
+            "kernels": link.kernels({int(op["family"]) for op in self.ops}, len(self.programs) > 1, entries),
             "curves": np.concatenate(self.curves) if self.curves else np.zeros(0, CURVE),
             "images": np.array(self.images, IMAGE),
             "texels": np.concatenate(self.texels).view(TEXEL) if self.texels else np.zeros(0, TEXEL),
