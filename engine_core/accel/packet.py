@@ -6,7 +6,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..jit import inlined_kernel
-from ..linalg.simd import bits, difference_of_products, f32x8, load8, maximum, minimum, splat8
+from ..linalg.simd import bits, difference_of_products, f32x8, load8, maximum, minimum, splat8, splat_axis
+from ..linalg.vec3 import WHITE
 
 ZERO, ONE = np.float32(0.0), np.float32(1.0)
 
@@ -36,20 +37,14 @@ class PacketHit(NamedTuple):
 def make_shear(o, d):
     """The ray o + t d, prepared for triangles."""
     ax, ay, az = abs(d.x), abs(d.y), abs(d.z)
-    if ax >= ay and ax >= az:
-        kx, ky, kz = 1, 2, 0
-        x, y, z = d.y, d.z, d.x
-        ox, oy, oz = o.y, o.z, o.x
-    elif ay >= az:
-        kx, ky, kz = 2, 0, 1
-        x, y, z = d.z, d.x, d.y
-        ox, oy, oz = o.z, o.x, o.y
-    else:
-        kx, ky, kz = 0, 1, 2
-        x, y, z = d.x, d.y, d.z
-        ox, oy, oz = o.x, o.y, o.z
-    sz = ONE / z
-    return Shear(kx, ky, kz, splat8(ox), splat8(oy), splat8(oz), splat8(x * sz), splat8(y * sz), splat8(sz))
+    along_x, along_y = (ax >= ay) & (ax >= az), ay >= az
+    # Three choices of a number, not one of three branches: nobody could foretell which.
+    kx = 1 if along_x else (2 if along_y else 0)
+    ky = 2 if along_x else (0 if along_y else 1)
+    kz = 0 if along_x else (1 if along_y else 2)
+    sz = splat_axis(WHITE / d, kz)
+    sx, sy = splat_axis(d, kx) * sz, splat_axis(d, ky) * sz
+    return Shear(kx, ky, kz, splat_axis(o, kx), splat_axis(o, ky), splat_axis(o, kz), sx, sy, sz)
 
 
 @inlined_kernel

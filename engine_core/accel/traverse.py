@@ -10,11 +10,11 @@ from typing import NamedTuple
 import numpy as np
 
 from ..jit import inlined_kernel, kernel
-from ..linalg.simd import lane, load1, lowest_bit, without_lowest_bit
+from ..linalg.simd import lane, load1, lowest_bit, prefetch, without_lowest_bit
 from ..linalg.transform import transform_point, transform_vector
 from ..shape import dispatch
 from ..tables import TreeKind, Visibility
-from .boxes import NO_LEAF, any_leaf, make_slabs, next_leaf, stack_scratch, start
+from .boxes import NO_LEAF, any_leaf, make_slabs, next_leaf, stack_scratch, start, start_any
 from .packet import intersect_packet, make_shear
 
 ZERO = np.float32(0.0)
@@ -96,6 +96,7 @@ def intersect_triangles(scene, root, o, d, t_max):
             t = lane(found.t, i)
             if t < t_max:
                 t_max, prim, b1, b2 = t, load1(packet, "prim", i), lane(found.b1, i), lane(found.b2, i)
+                prefetch(scene.triangles[prim])  # somebody may shade it
 
 
 @kernel
@@ -161,7 +162,7 @@ def occluded(scene, o, d, t_max):
 def triangles_occlude(scene, root, o, d, t_max):
     """Whether a triangle of the tree below `root` is hit."""
     stack, slabs, shear = stack_scratch(), make_slabs(o, d), make_shear(o, d)
-    top = start(stack, root)
+    top = start_any(scene, stack, slabs, root, t_max)
     while True:
         leaf, top = any_leaf(scene, scene.packets, slabs, stack, top, t_max)
         if leaf == NO_LEAF:
@@ -174,7 +175,7 @@ def triangles_occlude(scene, root, o, d, t_max):
 def shapes_occlude(scene, root, o, d, t_max):
     """Whether a shape of the tree below `root` is hit."""
     stack, slabs = stack_scratch(), make_slabs(o, d)
-    top = start(stack, root)
+    top = start_any(scene, stack, slabs, root, t_max)
     while True:
         leaf, top = any_leaf(scene, scene.shapes, slabs, stack, top, t_max)
         if leaf == NO_LEAF:
@@ -187,7 +188,7 @@ def shapes_occlude(scene, root, o, d, t_max):
 def instances_occlude(scene, root, o, d, t_max):
     """Whether an instance in the tree below `root` is hit."""
     stack, slabs = stack_scratch(), make_slabs(o, d)
-    top = start(stack, root)
+    top = start_any(scene, stack, slabs, root, t_max)
     while True:
         leaf, top = any_leaf(scene, scene.instances, slabs, stack, top, t_max)
         if leaf == NO_LEAF:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..accel.boxes import NO_LEAF, any_leaf, make_slabs, stack_scratch, start
+from ..accel.boxes import NO_LEAF, any_leaf, make_slabs, stack_scratch, start_any
 from ..jit import kernel
 from ..light import dispatch as light_dispatch
 from ..linalg.vec3 import BLACK, Vec3, cross, dot, length, load3
@@ -63,7 +63,7 @@ def pdf(scene, p, wi, but):
     density = ZERO
     if world.target_root >= 0:
         stack, slabs = stack_scratch(), make_slabs(p, wi)
-        top = start(stack, world.target_root)
+        top = start_any(scene, stack, slabs, world.target_root, FAR)
         while True:
             leaf, top = any_leaf(scene, scene.targets, slabs, stack, top, FAR)
             if leaf == NO_LEAF:

@@ -22,6 +22,8 @@ from numba.core.imputils import lower_builtin
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 from numba.extending import intrinsic, models, register_model
 
+from .vec3 import vec3
+
 FLOAT, INT, BYTE, LONG, BIT = ir.FloatType(), ir.IntType(32), ir.IntType(8), ir.IntType(64), ir.IntType(1)
 
 
@@ -131,24 +133,28 @@ def lane(typing_context, v, i):
     return types.float32(v, types.int32), lambda context, b, sig, args: b.extract_element(*args)
 
 
+def _in_all_lanes(builder, lanes, x):
+    undefined = ir.Constant(lanes.llvm, ir.Undefined)
+    one = builder.insert_element(undefined, x, ir.Constant(INT, 0))
+    return builder.shuffle_vector(one, undefined, ir.Constant(ir.VectorType(INT, lanes.width), [0] * lanes.width))
+
+
 def _splat(lanes):
     @intrinsic
     def splat(typing_context, x):
         """The same number in every lane."""
-
-        def lower(context, builder, sig, args):
-            undefined = ir.Constant(lanes.llvm, ir.Undefined)
-            one = builder.insert_element(undefined, args[0], ir.Constant(INT, 0))
-            return builder.shuffle_vector(
-                one, undefined, ir.Constant(ir.VectorType(INT, lanes.width), [0] * lanes.width)
-            )
-
-        return lanes(types.float32), lower
+        return lanes(types.float32), lambda context, b, sig, args: _in_all_lanes(b, lanes, args[0])
 
     return splat
 
 
 splat4, splat8 = _splat(f32x4), _splat(f32x8)
+
+
+@intrinsic
+def splat_axis(typing_context, v, axis):
+    """One component of a Vec3, 0 to 2, in every lane."""
+    return f32x8(vec3, types.int64), lambda context, b, sig, args: _in_all_lanes(b, f32x8, b.extract_element(*args))
 
 
 @intrinsic
@@ -220,20 +226,36 @@ load8, store8 = _load_and_store(
 )
 
 
+def _prefetch(builder, row, size):
+    signature_ = ir.FunctionType(ir.VoidType(), [BYTE.as_pointer(), INT, INT, INT])
+    call = cgutils.get_or_insert_function(builder.module, signature_, "llvm.prefetch.p0")
+    for line in range(0, size, 64):
+        at = builder.gep(row, [ir.Constant(LONG, line)])
+        builder.call(call, [at, ir.Constant(INT, 0), ir.Constant(INT, 3), ir.Constant(INT, 1)])
+
+
 @intrinsic
 def prefetch(typing_context, row):
-    """Have the row, up to four cache lines of it, brought from memory."""
+    """Have the row brought from memory."""
 
     def lower(context, builder, sig, args):
-        signature_ = ir.FunctionType(ir.VoidType(), [BYTE.as_pointer(), INT, INT, INT])
-        call = cgutils.get_or_insert_function(builder.module, signature_, "llvm.prefetch.p0")
-        start = builder.bitcast(args[0], BYTE.as_pointer())
-        for line in range(0, min(sig.args[0].size, 320), 64):
-            at = builder.gep(start, [ir.Constant(LONG, line)])
-            builder.call(call, [at, ir.Constant(INT, 0), ir.Constant(INT, 3), ir.Constant(INT, 1)])
+        _prefetch(builder, builder.bitcast(args[0], BYTE.as_pointer()), sig.args[0].size)
         return context.get_dummy_value()
 
     return types.void(row), lower
+
+
+@intrinsic
+def prefetch_either(typing_context, condition, row, other):
+    """Have a row, or if the condition is false another one, brought from memory: four cache lines, without a branch."""
+
+    def lower(context, builder, sig, args):
+        condition, *rows = args
+        row, other = (builder.bitcast(pointer, BYTE.as_pointer()) for pointer in rows)
+        _prefetch(builder, builder.select(condition, row, other), 256)
+        return context.get_dummy_value()
+
+    return types.void(condition, row, other), lower
 
 
 # ---- Keys: an integer and a distance in one number -------------------------------------------------------------------
