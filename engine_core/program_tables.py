@@ -114,6 +114,7 @@ POINT = np.dtype(
         ("glossy_bounces", "i4"),
         ("transmission_bounces", "i4"),
         ("transparent_bounces", "i4"),
+        ("time", "f4"),  # of the ray that came here, 0 to 1 while the shutter is open
         ("ray_length", "f4"),
         ("footprint", "f4"),  # about the size of a pixel here, metres
         ("b1", "f4"),

@@ -170,10 +170,17 @@ INSTANCE = np.dtype(
         ("lights", "i4"),  # row of LIGHT of its first emissive triangle or shape
         ("pass_index", "i4"),
         ("random", "f4"),  # 0 to 1, Blender's random number of the instance
-        ("unused", "i4"),
+        ("motion", "i4"),  # row of POSE of its first pose; 0: it stands still. Above is how it stands in the middle
     ]
 )
 SLOT = np.dtype([("material", "i4")])
+POSE = np.dtype(
+    [  # of what moves while the shutter is open: a stretch, then a rotation, then the way to its place
+        ("rotation", "f4", (4,)),  # unit quaternion w x y z; 90 degrees or less from that of the next pose
+        ("location", "f4", (3,)),
+        ("stretch", "f4", (3, 3)),  # symmetric
+    ]
+)
 
 # ---- Materials -------------------------------------------------------------------------------------------------------
 
@@ -296,13 +303,17 @@ CAMERA = np.dtype(
         ("blades", "i4"),  # below 3: round
         ("blade_rotation", "f4"),
         ("aperture_ratio", "f4"),  # above 1: squeezed in x, an anamorphic lens
+        ("motion", "i4"),  # row of POSE of its first pose; 0: it stands still
+        ("shutter", "f4", (65,)),  # times 0 to 1 between which it is open for equal parts of the exposure
     ]
 )
 WORLD = np.dtype(
     [
         ("triangle_root", "i4"),  # row of NODE; trees in world space: triangles and shapes of objects used once ...
         ("shape_root", "i4"),
-        ("instance_root", "i4"),  # ... and the tree over all other instances
+        ("instance_root", "i4"),  # ... and the tree over all other instances,
+        ("moving_root", "i4"),  # but over those that move
+        ("pose_count", "i4"),  # rows of POSE of each thing that moves; 0: nothing does
         ("lamp_root", "i4"),  # shapes of lamps: seen by rays, in nobody's way
         ("target_root", "i4"),  # targets that stand somewhere
         ("target_count", "i4"),  # rows of TARGET: those of the tree, then from far_targets on suns and the world;
@@ -338,6 +349,7 @@ class Scene(Tables):
     instances = INSTANCE
     objects = OBJECT
     slots = SLOT
+    poses = POSE
     materials = MATERIAL
     lobes = LOBE
     programs = PROGRAM

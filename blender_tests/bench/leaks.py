@@ -19,7 +19,7 @@ from engine_core.linalg.vec3 import Vec3, lerp
 from engine_core.sampling.rng import hash_float
 
 RINGS, RAYS, CHUNK = 502, 100_000_000, 1_000_000
-EVERYTHING, FAR = np.int32(63), np.float32(np.inf)
+EVERYTHING, FAR, NOW = np.int32(63), np.float32(np.inf), np.float32(0.0)
 
 
 def run(quick=False):
@@ -59,9 +59,9 @@ def count_leaks(scene, packets, first, count):
             d = lerp(a, b, along) - o
         else:
             d = Vec3(random(i, 3) - 0.5, random(i, 4) - 0.5, random(i, 5) - 0.5)
-        if intersect_closest(scene, o, d, FAR, EVERYTHING).prim < 0:
+        if intersect_closest(scene, o, d, FAR, EVERYTHING, NOW).prim < 0:
             escaped += 1
-        if not occluded(scene, o, d, FAR):
+        if not occluded(scene, o, d, FAR, NOW):
             not_occluded += 1
     return escaped, not_occluded
 

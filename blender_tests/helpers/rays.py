@@ -11,7 +11,7 @@ from engine_core.linalg.vec3 import load3
 from engine_core.shape.dispatch import bounds
 from engine_core.tables import INSTANCE, NODE, PACKET, SHAPE, WORLD, Scene, TreeKind, Visibility
 
-FAR = np.float32(np.inf)
+FAR, NOW = np.float32(np.inf), np.float32(0.0)
 RAY = np.dtype(
     [
         ("o", "f4", (3,)),
@@ -37,7 +37,7 @@ class Rays(Tables):
 def closest_all(scene, rays, count, visibility):
     for i in range(count):
         ray = rays.rays[i]
-        hit = intersect_closest(scene, load3(ray, "o"), load3(ray, "d"), ray.t_max, visibility)
+        hit = intersect_closest(scene, load3(ray, "o"), load3(ray, "d"), ray.t_max, visibility, NOW)
         ray.t, ray.kind, ray.prim, ray.instance, ray.b1, ray.b2 = hit
 
 
@@ -45,7 +45,7 @@ def closest_all(scene, rays, count, visibility):
 def occluded_all(scene, rays, count):
     for i in range(count):
         ray = rays.rays[i]
-        ray.occluded = 1 if occluded(scene, load3(ray, "o"), load3(ray, "d"), ray.t_max) else 0
+        ray.occluded = 1 if occluded(scene, load3(ray, "o"), load3(ray, "d"), ray.t_max, NOW) else 0
 
 
 @kernel
@@ -122,7 +122,7 @@ def geometry_scene(triangles=None, shapes=None, lamps=None, instances=()):
             row["to_world"], row["to_object"] = matrix, np.linalg.inv(np.vstack([matrix, [0, 0, 0, 1]]))[:3]
             row["kind"], row["root"], row["visibility"] = kind, root, visibility
             table.append((row, *_transformed_box(matrix, nodes[-1][0]["bounds"])))
-    world["instance_root"] = -1
+    world["instance_root"] = world["moving_root"] = -1
     if table:
         tree, order = build_boxes(np.array([lo for _, lo, _ in table]), np.array([hi for *_, hi in table]))
         world["instance_root"] = sum(map(len, nodes))

@@ -8,7 +8,7 @@ from sources import ROOT, imports, python_files, syntax
 
 RANKS_OF_ENGINE = [
     {"jit", "tables", "program_tables", "settings", "linalg"},  # these few may know each other
-    {"sampling"},
+    {"sampling", "motion"},
     {"shape", "texture", "camera", "film"},
     {"shader", "bsdf", "light", "medium", "accel"},
     {"integrator"},

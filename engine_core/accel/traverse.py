@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The questions that rays ask: what do I hit first, and is anything in my way?
 
-The world has up to four trees: triangles and shapes in world space, instances with trees of their own, and lamps, which
-rays can see but which block none.
+The world has up to five trees: triangles and shapes in world space, instances with trees of their own, those that move,
+and lamps, which rays can see but which block none. A ray is sent at a `time` of the shutter, 0 to 1.
 """
 
 from typing import NamedTuple
@@ -12,6 +12,7 @@ import numpy as np
 from ..jit import inlined_kernel, kernel
 from ..linalg.simd import lane, load1, lowest_bit, prefetch, without_lowest_bit
 from ..linalg.transform import transform_point, transform_vector
+from ..motion import instance_at, new_instance
 from ..shape import dispatch
 from ..tables import TreeKind, Visibility
 from .boxes import NO_LEAF, any_leaf, make_slabs, next_leaf, stack_scratch, start, start_any
@@ -45,7 +46,7 @@ class TreeHit(NamedTuple):
 
 
 @inlined_kernel
-def intersect_closest(scene, o, d, t_max, visibility):
+def intersect_closest(scene, o, d, t_max, visibility, time):
     """The first triangle or shape on the ray o + t d, 0 < t < t_max, among objects that `visibility` rays can see.
 
     `d` need not be unit. Lamps are not met; see `intersect_lamps`. All rays see what is in the world's own trees.
@@ -62,6 +63,10 @@ def intersect_closest(scene, o, d, t_max, visibility):
             kind = SHAPES
     if world.instance_root >= 0:
         hit = intersect_instances(scene, world.instance_root, o, d, t_max, visibility)
+        if hit.prim >= 0:
+            t_max, kind, prim, instance, b1, b2 = hit
+    if world.moving_root >= 0:
+        hit = intersect_moving(scene, world.moving_root, o, d, t_max, visibility, time)
         if hit.prim >= 0:
             return hit
     return Hit(t_max, kind, prim, instance, b1, b2)
@@ -144,18 +149,39 @@ def intersect_instance(scene, instance, o, d, t_max):
     return intersect_shapes(scene, instance.root, local_o, local_d, ZERO, t_max)
 
 
+@kernel
+def intersect_moving(scene, root, o, d, t_max, visibility, time):
+    """As `intersect_instances`, among those that move, where they stand at `time`."""
+    stack, slabs, scratch = stack_scratch(), make_slabs(o, d), new_instance()
+    result = Hit(t_max, TRIANGLES, NONE, NONE, ZERO, ZERO)
+    top = start(stack, root)
+    while True:
+        leaf, top = next_leaf(scene, scene.instances, slabs, stack, top, result.t)
+        if leaf == NO_LEAF:
+            return result
+        row = ~leaf
+        if scene.instances[row].visibility & visibility == 0:
+            continue
+        instance = instance_at(scene, row, time, scratch)
+        found = intersect_instance(scene, instance, o, d, result.t)
+        if found.prim >= 0:
+            result = Hit(found.t, np.int64(instance.kind), found.prim, row, found.b1, found.b2)
+
+
 # ---- Is anything in the way ------------------------------------------------------------------------------------------
 
 
 @kernel
-def occluded(scene, o, d, t_max):
+def occluded(scene, o, d, t_max, time):
     """Whether anything is on the ray o + t d, 0 < t < t_max: transparent or not, but no lamp."""
     world = scene.world[0]
     if world.triangle_root >= 0 and triangles_occlude(scene, world.triangle_root, o, d, t_max):
         return True
     if world.shape_root >= 0 and shapes_occlude(scene, world.shape_root, o, d, t_max):
         return True
-    return world.instance_root >= 0 and instances_occlude(scene, world.instance_root, o, d, t_max)
+    if world.instance_root >= 0 and instances_occlude(scene, world.instance_root, o, d, t_max):
+        return True
+    return world.moving_root >= 0 and moving_occlude(scene, world.moving_root, o, d, t_max, time)
 
 
 @kernel
@@ -196,6 +222,27 @@ def instances_occlude(scene, root, o, d, t_max):
         instance = scene.instances[~leaf]
         if instance.visibility & SHADOW == 0:
             continue
+        local_o = transform_point(instance, "to_object", o)
+        local_d = transform_vector(instance, "to_object", d)
+        if instance.kind == TRIANGLES:
+            if triangles_occlude(scene, instance.root, local_o, local_d, t_max):
+                return True
+        elif shapes_occlude(scene, instance.root, local_o, local_d, t_max):
+            return True
+
+
+@kernel
+def moving_occlude(scene, root, o, d, t_max, time):
+    """Whether an instance that moves is hit where it stands at `time`."""
+    stack, slabs, scratch = stack_scratch(), make_slabs(o, d), new_instance()
+    top = start(stack, root)
+    while True:
+        leaf, top = any_leaf(scene, scene.instances, slabs, stack, top, t_max)
+        if leaf == NO_LEAF:
+            return False
+        if scene.instances[~leaf].visibility & SHADOW == 0:
+            continue
+        instance = instance_at(scene, ~leaf, time, scratch)
         local_o = transform_point(instance, "to_object", o)
         local_d = transform_vector(instance, "to_object", d)
         if instance.kind == TRIANGLES:

@@ -69,32 +69,32 @@ def light_of(scene, settings, it, bsdf, wo, visibility, row, pmf_light, u0, u1):
         f = f * power_heuristic(pdf_light, pdf_bsdf)
     o = offset_ray_origin(it.p, it.ng if dot(s.wi, it.ng) > 0.0 else -it.ng)
     if s.distance == FAR:
-        f = f * shadow_transmittance(scene, settings, o, s.wi, FAR)
+        f = f * shadow_transmittance(scene, settings, o, s.wi, FAR, it.time)
     else:
         # To the very point that was sampled, moved off the emitter as `o` is off the surface: neither blocks the way.
         q = it.p + s.wi * s.distance
         n = light_dispatch.surface_normal(light, q)
         q = offset_ray_origin(q, n if dot(s.wi, n) < 0.0 else -n)
-        f = f * shadow_transmittance(scene, settings, o, q - o, ALMOST_ONE)
+        f = f * shadow_transmittance(scene, settings, o, q - o, ALMOST_ONE, it.time)
     if light.program > 0 and not is_black(f):  # after the shadow: a program costs more than a ray
         return f * light_radiance(scene, light, new_point(), it.p + s.wi * s.distance, s.wi, s.distance, visibility)
     return f * s.radiance
 
 
 @kernel
-def shadow_transmittance(scene, settings, o, d, t_max):
+def shadow_transmittance(scene, settings, o, d, t_max, time):
     """The part of light that gets from o + t_max d to `o`: 0, 1, or a colour if something transparent is between.
 
     `d` need not be unit.
     """
     if scene.world[0].transparent_shadows == 0:
-        return BLACK if occluded(scene, o, d, t_max) else WHITE
+        return BLACK if occluded(scene, o, d, t_max, time) else WHITE
     transmittance = WHITE
     for _ in range(settings.transparent_bounces + 1):
-        hit = intersect_closest(scene, o, d, t_max, Visibility.SHADOW.value)
+        hit = intersect_closest(scene, o, d, t_max, Visibility.SHADOW.value, time)
         if hit.prim < 0:
             return transmittance
-        it = make_interaction(scene, hit, o, d)
+        it = make_interaction(scene, hit, o, d, time)
         material = scene.materials[it.material]
         if not material.flags & MaterialFlag.TRANSPARENT.value:
             return BLACK

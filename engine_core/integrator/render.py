@@ -13,11 +13,13 @@ from ..film.filter import sample_filter
 from ..jit import kernel, variant
 from ..linalg.transform import transform_point, transform_vector
 from ..linalg.vec3 import BLACK, Vec3, dot, load3, store3
-from ..sampling.sobol import make_sampler, make_sequence, sample_2d
+from ..motion import camera_at, new_camera, shutter_time
+from ..sampling.sobol import make_sampler, make_sequence, sample_1d, sample_2d
 from ..settings import IntegratorKind
 from . import mixture, path, uniform
 from .path import trace
 
+ZERO = np.float32(0.0)
 NO_DEPTH = np.float32(1e10)  # what Blender's depth pass says where nothing was hit
 Z_AXIS = Vec3(0.0, 0.0, 1.0)
 
@@ -36,7 +38,7 @@ def render_tile(scene, settings, film, x0, y0, width, height, most):
     `x0`, `y0`: the tile's lower left pixel on the film. Between two rows the kernel looks whether it was cancelled;
     returns the number of rows that it finished.
     """
-    camera = scene.camera[0]
+    moving, scratch = scene.world[0].pose_count > 0, new_camera()
     scale_x, scale_y = 1.0 / np.float32(settings.width), 1.0 / np.float32(settings.height)
     for row in range(height):
         if film.control[0].cancel != 0:
@@ -56,6 +58,8 @@ def render_tile(scene, settings, film, x0, y0, width, height, most):
                 u0, u1 = sample_2d(sampler, 0)
                 dx, dy = sample_filter(settings, u0, u1)
                 u0, u1 = sample_2d(sampler, 1)
+                time = shutter_time(scene.camera[0], sample_1d(sampler, 2)) if moving else ZERO
+                camera = camera_at(scene, time, scratch)
                 ray = generate_ray(
                     camera,
                     (np.float32(frame_x) + 0.5 + dx) * scale_x,
@@ -63,7 +67,7 @@ def render_tile(scene, settings, film, x0, y0, width, height, most):
                     u0,
                     u1,
                 )
-                s = trace(scene, settings, sampler, ray.o, ray.d, ray.t_max)
+                s = trace(scene, settings, sampler, ray, time)
                 L = s.L * settings.exposure
                 if not math.isfinite(L.x + L.y + L.z):
                     L = BLACK  # one overflow in a million samples must not cost the pixel

@@ -26,6 +26,7 @@ from ..linalg.registers import call
 from ..linalg.vec3 import Vec3, dot, lerp, load3, max_component, store3
 from ..medium.albedo_inversion import medium_of
 from ..medium.phase import direction_around, henyey_greenstein, sample_henyey_greenstein
+from ..motion import instance_at, new_instance
 from ..sampling.rng import hash_combine, to_unit_float
 from ..sampling.sobol import dimension_seed
 from ..shader import link
@@ -45,6 +46,7 @@ BELOW = np.dtype(
         ("g", "f4"),
         ("ior", "f4"),
         ("instance", "i4"),  # row of INSTANCE
+        ("time", "f4"),  # of the ray
         ("seed", "u4"),  # of its random numbers
         ("prim", "i4"),  # out: what the ray hits, as in a Hit; -1: the light was absorbed
         ("t", "f4"),
@@ -72,7 +74,8 @@ def prepare_walk(below, it, bsdf, sampler, dimension, u_lobe):
     store3(below, "n", it.ns)
     store3(below, "color", load3(lobe, "f0"))
     store3(below, "radius", load3(lobe, "f82"))
-    below.kind, below.g, below.ior, below.instance = lobe.fresnel, lobe.g, lobe.ior, it.instance
+    below.kind, below.g, below.ior = lobe.fresnel, lobe.g, lobe.ior
+    below.instance, below.time = it.instance, it.time
     below.seed = hash_combine(dimension_seed(sampler, dimension), sampler.reversed_index)
 
 
@@ -87,7 +90,7 @@ def walk_below(scene, below, point):
 
 def random_walk(scene, below, unused, again):
     """The walk itself; see `walk_below`."""
-    instance = scene.instances[below.instance]
+    instance = instance_at(scene, below.instance, below.time, new_instance())
     if instance.root < 0:
         return
     n, g = load3(below, "n"), below.g

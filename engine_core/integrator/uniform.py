@@ -29,10 +29,10 @@ from .walk import (
 
 
 @kernel
-def trace(scene, settings, sampler, o, d, t_max):
-    """The PathSample that arrives at `o` from the unit direction `d`; the camera sees no further than `t_max`."""
+def trace(scene, settings, sampler, ray, time):
+    """The PathSample that a CameraRay finds, at a time of the shutter."""
     walk, bsdf = new_walk(), new_bsdf()
-    set_out(walk, o, d, t_max)
+    set_out(walk, ray, time)
     while True:
         # ---- Where are we, and what shone on the way? ------------------------------------------------------------
         hit = advance(scene, settings, walk)

@@ -26,9 +26,9 @@ from ..tables import BSDF, CameraKind, LobeKind, MaterialFlag, Visibility
 from .direct import Origin, background_radiance, lamp_radiance, surface_emission
 from .subsurface import BELOW, prepare_walk, walk_below
 
-# Dimensions of a sample, in pairs: 0 the pixel filter, 1 the lens, then four for each vertex of the path: two choices
-# (which light, which lobe), a point on a light or two more choices, a direction, Russian roulette.
-FIRST_DIMENSION, DIMENSIONS_PER_VERTEX = 2, 4
+# Dimensions of a sample, in pairs: 0 the pixel filter, 1 the lens, 2 the time, then four for each vertex of the path:
+# two choices (which light, which lobe), a point on a light or two more choices, a direction, Russian roulette.
+FIRST_DIMENSION, DIMENSIONS_PER_VERTEX = 3, 4
 FAR, ZERO = np.float32(np.inf), np.float32(0.0)
 BUMP_WIDTH = np.float32(0.1)  # pixels, over which slopes of bumps are taken, as Cycles' filter width
 CAMERA = Visibility.CAMERA.value
@@ -39,6 +39,7 @@ WALK = np.dtype(
         ("o", "f4", (3,)),  # the ray that comes next; it sees no further than t_max
         ("d", "f4", (3,)),
         ("t_max", "f4"),
+        ("time", "f4"),  # of the shutter, 0 to 1
         ("visibility", "i4"),  # Visibility: by what scattering it came about
         ("beta", "f4", (3,)),  # throughput
         ("beta_first", "f4"),  # its largest component after the first bounce
@@ -82,8 +83,9 @@ class PathSample(NamedTuple):
 
 
 @kernel
-def set_out(walk, o, d, t_max):
-    """Begin at the camera."""
+def set_out(walk, ray, time):
+    """Begin with a CameraRay, at a time of the shutter."""
+    o, d = ray.o, ray.d
     store3(walk, "o", o)
     store3(walk, "d", d)
     store3(walk, "beta", WHITE)
@@ -93,7 +95,7 @@ def set_out(walk, o, d, t_max):
     store3(walk, "first_p", BLACK)
     store3(walk, "first_normal", BLACK)
     store3(walk, "first_albedo", WHITE)
-    walk.t_max, walk.visibility, walk.alpha = t_max, CAMERA, np.float32(1.0)
+    walk.t_max, walk.time, walk.visibility, walk.alpha = ray.t_max, time, CAMERA, np.float32(1.0)
     walk.pdf_last = walk.distance = walk.t = ZERO
     walk.both_sides = walk.both_sides_last = walk.descents = 0
     walk.side = ABOVE
@@ -114,7 +116,7 @@ def advance(scene, settings, walk):
         return emerge(scene, walk)
     o, d, visibility = load3(walk, "o"), load3(walk, "d"), walk.visibility
     origin = origin_of(walk)
-    hit = intersect_closest(scene, o, d, walk.t_max, visibility)
+    hit = intersect_closest(scene, o, d, walk.t_max, visibility, walk.time)
     walk.t = hit.t
     if scene.world[0].lamp_root >= 0:
         L = lamp_radiance(scene, o, d, hit.t, origin, walk.distance, visibility)
@@ -148,7 +150,7 @@ def emerge(scene, walk):
 def arrive(scene, settings, walk, hit):
     """The Interaction with what was hit; gather what shines there."""
     d = load3(walk, "d")
-    it = make_interaction(scene, hit, load3(walk, "o"), d)
+    it = make_interaction(scene, hit, load3(walk, "o"), d, walk.time)
     material = scene.materials[it.material]
     if has_program(material):
         set_point(scene, settings, walk, it, hit)

@@ -8,7 +8,6 @@ tree to walk; what stands there several times keeps its object space, and a tree
 import numpy as np
 
 from ..accel import build as accel
-from ..accel.instances import instance_boxes
 from ..integrator.subsurface import entries_needed
 from ..light.bounds import is_far
 from ..light.select import prepare_selection
@@ -32,7 +31,7 @@ from ..tables import (
     TreeKind,
     Visibility,
 )
-from . import checks, shapes, targets
+from . import checks, motion, shapes, targets
 from .emitters import bake_lights
 from .shading import Shading, bake_world
 from .targets import Aim
@@ -48,6 +47,7 @@ class _Assembly:
     def __init__(self, builder, progress):
         self.builder, self.progress = builder, progress
         self.placements, self.matrices = self._regular_placements()
+        self.motions = [motion.moves(p.name, p.motion) for p in self.placements]
         self.slots = []
         self.instances = np.zeros(len(self.placements), INSTANCE)
         self.objects = np.zeros(len(self.placements), OBJECT)
@@ -64,8 +64,10 @@ class _Assembly:
         shading.world(world, self.builder.world_radiance)
         attributes, self.attribute_rows = shading.attributes(self.builder.geometries)
         world["attribute_count"] = len(attributes["attributes"])
-        for field in ("triangle_root", "shape_root", "instance_root", "lamp_root", "target_root", "background_light"):
-            world[field] = -1
+        for root in ("triangle", "shape", "instance", "moving", "lamp", "target"):
+            world[f"{root}_root"] = -1
+        world["background_light"] = -1
+        camera, self.poses = self._poses(world)
         self._place(materials, world)
         self.progress(0.9, "Lights")
         self._lamps(world)
@@ -80,13 +82,14 @@ class _Assembly:
             instances=_concatenate([self.instances], INSTANCE),
             objects=self.objects,
             slots=np.array([(m,) for m in self.slots], SLOT),
+            poses=self.poses,
             materials=materials,
             lobes=lobes,
             lights=lights,
             light_nodes=np.zeros(0, LIGHT_NODE),
             world_map=np.zeros(0, CELL),
             targets=np.zeros(0, TARGET),
-            camera=self.builder.camera_row,
+            camera=camera,
             world=world,
             **attributes,
             **shading.programs.tables(entries_needed(materials)),
@@ -130,7 +133,8 @@ class _Assembly:
             self._mark_emissive(geometry, numbers, materials)
             first = self.placements[numbers[0]]
             kind = _kind(self.builder.geometries[geometry])
-            in_world = len(numbers) == 1 and first.visibility == Visibility.ALL
+            alone_there = len(numbers) == 1 and self.motions[numbers[0]] is None
+            in_world = alone_there and first.visibility == Visibility.ALL
             in_world = in_world and not self._scatters_below(numbers, materials)
             if in_world and (kind == TreeKind.TRIANGLES or self._keeps_shapes(numbers[0])):
                 alone[kind].append(numbers[0])
@@ -144,7 +148,7 @@ class _Assembly:
             if alone[kind]:
                 world[field] = self._tree(kind, [(self.placements[n].geometry, n) for n in alone[kind]])
         self.objects["first_prim"] = [self.first_prims[p.geometry] for p in self.placements]
-        self._instance_tree(np.array([n for _, numbers in shared for n in numbers], np.int64), world)
+        self._instance_trees(np.array([n for _, numbers in shared for n in numbers], np.int64), world)
 
     def _scatters_below(self, users, materials):
         """Whether rays walk below the surface of one of them: the walk asks the object's own tree."""
@@ -227,36 +231,54 @@ class _Assembly:
         rows["light"] = geometry.light_ranks
         return rows
 
-    def _instance_tree(self, numbers, world):
+    def _instance_trees(self, numbers, world):
+        """Trees over the instances with these numbers: those that stand still, and those that move."""
         if not len(numbers):
             return
-        low, high = np.empty((2, len(numbers), 3), np.float32)
-        shared = self.instances[numbers]
-        instance_boxes(
+        shared, nodes, packets = (
+            self.instances[numbers],
             _concatenate(self.nodes, NODE),
             _concatenate(self.packets, PACKET),
-            np.ascontiguousarray(shared["root"]),
-            shared["kind"] == TreeKind.TRIANGLES,
-            np.ascontiguousarray(shared["to_world"]),
-            low,
-            high,
         )
-        nodes, order = accel.build_boxes(low, high)
+        low, high = motion.instance_bounds(shared, self.poses, int(world["pose_count"][0]), nodes, packets)
+        moves = shared["motion"] > 0
+        order = []
+        for chosen, field in ((~moves, "instance_root"), (moves, "moving_root")):
+            if not chosen.any():
+                continue
+            nodes, leaves = accel.build_boxes(low[chosen], high[chosen])
+            accel.rebase(nodes, self.counts["nodes"], sum(map(len, order)))
+            order.append(numbers[chosen][leaves])
+            world[field] = self.counts["nodes"]
+            self._append("nodes", nodes)
         # Leaves speak of rows of INSTANCE: put the shared ones first, in the order of the leaves.
-        ordered = numbers[order]
-        others = np.setdiff1d(np.arange(len(self.instances)), ordered)
-        new_order = np.concatenate([ordered, others])
-        self.instances, self.objects = self.instances[new_order], self.objects[new_order]
-        self.placements = [self.placements[n] for n in new_order]
-        self.matrices = self.matrices[new_order]
-        renumbered = np.empty(len(new_order), np.int32)
-        renumbered[new_order] = np.arange(len(new_order))
+        others = np.setdiff1d(np.arange(len(self.instances)), numbers)
+        self._reorder_instances(np.concatenate([*order, others]))
+
+    def _reorder_instances(self, order):
+        """Let the rows of INSTANCE stand in another order: (n,) their numbers until now."""
+        self.instances, self.objects = self.instances[order], self.objects[order]
+        self.placements, self.motions = ([rows[n] for n in order] for rows in (self.placements, self.motions))
+        self.matrices = self.matrices[order]
+        renumbered = np.empty(len(order), np.int32)
+        renumbered[order] = np.arange(len(order))
         for table in (*self.triangles, *self.shapes):
             moved = table["instance"] >= 0
             table["instance"][moved] = renumbered[table["instance"][moved]]
-        accel.rebase(nodes, self.counts["nodes"], 0)
-        world["instance_root"] = self.counts["nodes"]
-        self._append("nodes", nodes)
+
+    def _poses(self, world):
+        """The row of CAMERA and those of POSE; instances that move are told where theirs are."""
+        camera = self.builder.camera_row.copy()
+        camera["shutter"] = motion.shutter_times(self.builder.shutter_curve)
+        of_camera = motion.moves("Camera", self.builder.camera_motion)
+        moving = [number for number, poses in enumerate(self.motions) if poses is not None]
+        motions = [self.motions[number] for number in moving] + ([] if of_camera is None else [of_camera])
+        rows = motion.pose_rows(motions)
+        if motions:
+            world["pose_count"] = count = len(motions[0])
+            self.instances["motion"][moving] = 1 + count * np.arange(len(moving))
+            camera["motion"] = 0 if of_camera is None else 1 + count * len(moving)
+        return camera, rows
 
     # ---- Light ----
 
@@ -333,6 +355,9 @@ class _Assembly:
     def _emitters(self, number, placement, geometry, materials):
         """Rows of LIGHT for the emissive primitives of an instance; None if they cannot be sampled."""
         matrix = self.matrices[number]
+        if self.motions[number] is not None:
+            self.builder._warn(placement.name, "emits while it moves; rays find its light by chance alone")
+            return None
         if _kind(geometry) == TreeKind.SHAPES:
             if self._emits_by_program(number, materials):
                 self.builder._warn(placement.name, "emits by a texture; rays find the light of a shape by chance alone")
@@ -375,7 +400,7 @@ class _Assembly:
         """A ball around everything that a ray can hit."""
         low, high = np.full(3, np.inf), np.full(3, -np.inf)
         nodes = _concatenate(self.nodes, NODE)
-        for field in ("triangle_root", "shape_root", "instance_root", "lamp_root"):
+        for field in ("triangle_root", "shape_root", "instance_root", "moving_root", "lamp_root"):
             root = int(world[field][0])
             if root >= 0:
                 low = np.minimum(low, nodes[root]["bounds"][:3].min(axis=1))

@@ -56,6 +56,7 @@ class Placement:
     random: float
     color: tuple
     aim: Aim
+    motion: np.ndarray | None  # float64 (n, 4, 4), see SceneBuilder.instance
 
 
 @dataclass
@@ -73,7 +74,8 @@ class SceneBuilder:
         self.materials, self.geometries, self.placements = [], [], []
         self.lights, self.lamp_shapes = [], []
         self.world_radiance, self.world_visibility = np.zeros(3), int(Visibility.ALL)
-        self.camera_row = None
+        self.camera_row = self.camera_motion = None
+        self.shutter_curve = None
         self.warnings = []
         # what Blender shows where an object has no material
         self.default_material = self.material("(none)", Diffuse((0.8, 0.8, 0.8)))
@@ -149,11 +151,14 @@ class SceneBuilder:
         random=0.0,
         color=(1.0, 1.0, 1.0, 1.0),
         aim=Aim.AUTOMATIC,
+        motion=None,
     ):
         """Let a geometry stand in the world; any number of times.
 
         `materials` has a number for each material slot; a slot beyond the last uses the last, as in Blender.
         `aim`: whether the mixture integrator sends rays at it.
+        `motion`: (n, 4, 4), where it stands at n >= 2 times, evenly from the opening of the shutter to its closing, n
+        being the same for all that move. `to_world` is then where it stands in the middle.
         """
         if not 0 <= geometry < len(self.geometries):
             raise checks.SceneError(f"{name}: there is no geometry {geometry}")
@@ -172,6 +177,7 @@ class SceneBuilder:
                 float(random),
                 tuple(color),
                 Aim(aim),
+                motion,
             )
         )
 
@@ -237,9 +243,10 @@ class SceneBuilder:
         aperture_ratio=1.0,
         clip_start=0.0,
         clip_end=np.inf,
+        motion=None,
     ):
         """Look along -z of `to_world`, y up. `screen`: left, right, bottom, top of the picture at distance 1 m
-        (ORTHOGRAPHIC: in metres)."""
+        (ORTHOGRAPHIC: in metres). `motion`: as that of an instance."""
         matrix, regular = checks.transform("Camera", to_world)
         if not regular:
             raise checks.SceneError("Camera: its transform is flat; the camera, or a parent, is scaled to 0")
@@ -253,7 +260,14 @@ class SceneBuilder:
         row["blades"], row["blade_rotation"] = int(blades), blade_rotation
         row["aperture_ratio"] = checks.number("Camera", "aperture ratio", aperture_ratio, 1e-6)
         row["clip_start"], row["clip_end"] = max(clip_start, 0.0), clip_end
-        self.camera_row = row
+        self.camera_row, self.camera_motion = row, motion
+
+    def shutter(self, openness):
+        """How far the shutter is open while it is: numbers at times evenly from its opening to its closing."""
+        openness = np.maximum(checks.array("Camera", "openness of the shutter", openness, np.float64, None), 0.0)
+        if len(openness) < 2 or not openness.any():
+            raise checks.SceneError("Camera: its shutter never opens")
+        self.shutter_curve = openness
 
     # ---- The tables ----
 

@@ -97,6 +97,7 @@ def check_tables(name, tables):
         within(f"owners of {table}", tables[table]["instance"], "instances")
     within("slots", tables["slots"]["material"], "materials", none_allowed=False)
     within("lights of instances", instances["lights"], "lights")
+    _check_motion(name, tables)
     materials = tables["materials"]
     if len(materials) and (
         materials["lobe_count"].min() < 0
@@ -134,6 +135,16 @@ def check_tables(name, tables):
         raise SceneError(f"{name}: {fault}")
 
 
+def _check_motion(name, tables):
+    """Refuse poses that are not there, and times of a shutter that are none."""
+    count, shutter = int(tables["world"]["pose_count"][0]), tables["camera"]["shutter"]
+    first = np.concatenate([tables["instances"]["motion"], tables["camera"]["motion"]]).astype(np.int64)
+    if first.min() < 0 or ((first > 0).any() and (count < 2 or first.max() + count > len(tables["poses"]))):
+        raise SceneError(f"{name}: motions lead outside of the table poses")
+    if not ((shutter >= 0.0) & (shutter <= 1.0)).all():
+        raise SceneError(f"{name}: the shutter is open at times that are none")
+
+
 def _check_light_tree(name, tables, within):
     """Refuse what would not lead down from the root to the lights, and from each of them up to it."""
     nodes = tables["light_nodes"]
@@ -164,7 +175,7 @@ def _tree_kinds(name, tables):
             world["lamp_root"],
             *instances["root"][instances["kind"] == TreeKind.SHAPES],
         ],
-        TreeKind.INSTANCES: [world["instance_root"]],
+        TreeKind.INSTANCES: [world["instance_root"], world["moving_root"]],
         TreeKind.TARGETS: [world["target_root"]],
     }
     if not np.isin(instances["kind"], (TreeKind.TRIANGLES, TreeKind.SHAPES)).all():

@@ -9,6 +9,7 @@ from ..linalg.registers import store_float
 from ..linalg.transform import transform_normal, transform_point
 from ..linalg.vec3 import BLACK, Vec3, cross, dot, length, load3, load3_at, reflect
 from ..linalg.vector_math import safe_normalize
+from ..motion import instance_at, new_instance
 from ..shape import dispatch as shapes
 from ..tables import CameraKind, TreeKind, Visibility
 from .opcodes import InputNumber, InputVector, Op
@@ -123,7 +124,7 @@ def direction(point, mode):
 @kernel
 def object_vector(scene, point, mode, p):
     """What only objects have. `p`: world space."""
-    instance = scene.instances[point.instance]
+    instance = instance_at(scene, point.instance, point.time, new_instance())
     if mode == InputVector.OBJECT_NORMAL:
         return safe_normalize(transform_normal(instance, "to_world", load3(point, "ns")))
     if mode == InputVector.OBJECT_LOCATION:
@@ -161,17 +162,17 @@ def barycentrics(scene, point, shift):
     """(b1, b2) of the hit triangle at `place(point, shift)`."""
     if shift == 0 or point.kind != TreeKind.TRIANGLES:
         return point.b1, point.b2
-    return barycentrics_at(scene, point.instance, point.prim, place(point, shift))
+    return barycentrics_at(scene, point.instance, point.prim, place(point, shift), point.time)
 
 
 @kernel
-def barycentrics_at(scene, instance, prim, p):
+def barycentrics_at(scene, instance, prim, p, time):
     """(b1, b2) of the triangle `prim` of the instance at `p`, world space, in or beside it."""
     triangle = scene.triangles[prim]
     p0 = load3_at(triangle, "p", 0)
     u, v = load3_at(triangle, "p", 1) - p0, load3_at(triangle, "p", 2) - p0
     if triangle.instance < 0:  # its corners are in object space
-        p = transform_point(scene.instances[instance], "to_object", p)
+        p = transform_point(instance_at(scene, instance, time, new_instance()), "to_object", p)
     w = p - p0
     uu, uv, vv, uw, vw = dot(u, u), dot(u, v), dot(v, v), dot(u, w), dot(v, w)
     scale = 1.0 / max(uu * vv - uv * uv, 1e-37)
@@ -185,7 +186,7 @@ def texture_uv(scene, point, p, shift):
     if point.kind == TreeKind.SHAPES:
         shape = scene.shapes[point.prim]
         if shape.instance < 0:
-            p = transform_point(scene.instances[point.instance], "to_object", p)
+            p = transform_point(instance_at(scene, point.instance, point.time, new_instance()), "to_object", p)
         u, v = shapes.uv(shape, p)
         return Vec3(u, v, 0.0)
     b1, b2 = barycentrics(scene, point, shift)

@@ -7,6 +7,7 @@ from ..jit import kernel
 from ..linalg.transform import transform_normal
 from ..linalg.vec3 import BLACK, Vec3, load3
 from ..linalg.vector_math import safe_normalize
+from ..motion import instance_at, new_instance
 from ..texture import image as images
 from ..texture.image import Rgba
 from .maths import saturate
@@ -47,7 +48,9 @@ def object_normal(scene, point):
     n = load3(point, "ns")
     if point.instance < 0:
         return n
-    return safe_normalize(transform_normal(scene.instances[point.instance], "to_world", n))
+    return safe_normalize(
+        transform_normal(instance_at(scene, point.instance, point.time, new_instance()), "to_world", n)
+    )
 
 
 @kernel

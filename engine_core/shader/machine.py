@@ -74,9 +74,9 @@ def run_light(scene, light, point, unused):
         instance = scene.instances[light.instance]
         row = scene.objects[light.instance].first_prim + light.prim
         through = light.instance if instance.root >= 0 else -1
-        b1, b2 = barycentrics_at(scene, light.instance, row, p)
+        b1, b2 = barycentrics_at(scene, light.instance, row, p, ZERO)
         hit = SurfaceHit(point.ray_length, TRIANGLES, row, through, b1, b2)
-        it = make_interaction(scene, hit, p + wo * point.ray_length, -wo)
+        it = make_interaction(scene, hit, p + wo * point.ray_length, -wo, ZERO)
         set_surface(scene, point, it, hit, wo, point.visibility, ZERO)
     run_steps(scene, program, point, registers)
     store3(point, "result", result(program, registers))

@@ -21,9 +21,9 @@ def set_surface(scene, point, it, hit, wo, visibility, footprint):
     point.visibility = visibility
     point.bounces = point.diffuse_bounces = point.glossy_bounces = 0
     point.transmission_bounces = point.transparent_bounces = 0
-    point.ray_length, point.footprint = hit.t, footprint
+    point.time, point.ray_length, point.footprint = it.time, hit.t, footprint
     point.b1, point.b2 = hit.b1, hit.b2
-    point.uv[0], point.uv[1] = texture_coordinates(scene, hit, it.p)
+    point.uv[0], point.uv[1] = texture_coordinates(scene, hit, it.p, it.time)
     store3(point, "p", it.p)
     store3(point, "ng", it.ng)
     store3(point, "ns", it.ns)
@@ -38,7 +38,7 @@ def set_world(point, d, visibility):
     point.visibility = visibility
     point.bounces = point.diffuse_bounces = point.glossy_bounces = 0
     point.transmission_bounces = point.transparent_bounces = 0
-    point.ray_length = point.footprint = point.b1 = point.b2 = ZERO
+    point.time = point.ray_length = point.footprint = point.b1 = point.b2 = ZERO
     point.uv[0] = point.uv[1] = ZERO
     store3(point, "p", d)
     store3(point, "ng", -d)

@@ -10,6 +10,7 @@ from ..linalg.frame import frame_from_normal
 from ..linalg.transform import transform_normal, transform_point, transform_vector
 from ..linalg.vec3 import BLACK, Vec3, cross, dot, is_black, load3
 from ..linalg.vector_math import mapping, rotate, safe_normalize
+from ..motion import instance_at, new_instance
 from .opcodes import CLAMPED, INVERTED, NormalSpace, Op, Space
 from .operands import give_number, give_vector, number, vector
 
@@ -55,14 +56,14 @@ def change_space(scene, op, point, registers):
     v = vector(op, registers, 0)
     is_point = kind == 0
     if start == Space.OBJECT and point.instance >= 0:
-        instance = scene.instances[point.instance]
+        instance = instance_at(scene, point.instance, point.time, new_instance())
         v = transform_point(instance, "to_world", v) if is_point else transform_vector(instance, "to_world", v)
     elif start == Space.CAMERA:
         v = Vec3(v.x, v.y, -v.z)
         camera = scene.camera[0]
         v = transform_point(camera, "to_world", v) if is_point else transform_vector(camera, "to_world", v)
     if end == Space.OBJECT and point.instance >= 0:
-        instance = scene.instances[point.instance]
+        instance = instance_at(scene, point.instance, point.time, new_instance())
         v = transform_point(instance, "to_object", v) if is_point else transform_vector(instance, "to_object", v)
     elif end == Space.CAMERA:
         camera = scene.camera[0]
@@ -114,13 +115,17 @@ def normal_map(scene, op, point, registers):
     if op.mode == NormalSpace.TANGENT:
         tangent, sign = vector(op, registers, 2), number(op, registers, 3)
         if point.instance >= 0:
-            tangent = transform_vector(scene.instances[point.instance], "to_world", tangent)
+            tangent = transform_vector(
+                instance_at(scene, point.instance, point.time, new_instance()), "to_world", tangent
+            )
         tangent = safe_normalize(tangent)
         if is_black(tangent):
             tangent, _ = frame_from_normal(outside)
         mapped = safe_normalize(tangent * v.x + cross(outside, tangent) * (sign * v.y) + outside * v.z)
     elif op.mode == NormalSpace.OBJECT and point.instance >= 0:
-        mapped = safe_normalize(transform_normal(scene.instances[point.instance], "to_object", v))
+        mapped = safe_normalize(
+            transform_normal(instance_at(scene, point.instance, point.time, new_instance()), "to_object", v)
+        )
     else:
         mapped = safe_normalize(v)
     if point.backfacing:

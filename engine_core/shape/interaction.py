@@ -8,6 +8,7 @@ import numpy as np
 from ..jit import kernel
 from ..linalg.transform import transform_normal, transform_point
 from ..linalg.vec3 import Vec3, cross, dot, load3_at, normalize
+from ..motion import instance_at, new_instance
 from ..tables import TreeKind
 from . import dispatch
 
@@ -20,6 +21,7 @@ class Interaction(NamedTuple):
     material: int  # row of MATERIAL
     light: int  # row of LIGHT, of a divided triangle the whole, if this place emits and can be sampled; else -1
     backfacing: bool  # the ray came from behind
+    time: float  # of the ray, 0 to 1 while the shutter is open
 
 
 # The least cosine between a shading normal and the viewer. Interpolated normals turn away from the viewer near the
@@ -28,8 +30,9 @@ LEAST_COSINE = np.float32(1e-3)
 
 
 @kernel
-def make_interaction(scene, hit, o, d):
+def make_interaction(scene, hit, o, d, time):
     """The Interaction of the ray o + t d, `d` unit, with what it hit."""
+    scratch = new_instance()
     if hit.kind == TreeKind.TRIANGLES:
         triangle = scene.triangles[hit.prim]
         b1, b2 = hit.b1, hit.b2
@@ -43,7 +46,7 @@ def make_interaction(scene, hit, o, d):
         shape = scene.shapes[hit.prim]
         slot, owner, light = shape.slot, shape.instance, shape.light
         if hit.instance >= 0:
-            through = scene.instances[hit.instance]
+            through = instance_at(scene, hit.instance, time, scratch)
             local_o = transform_point(through, "to_object", o)
             p = transform_point(through, "to_object", o + d * hit.t)
         else:
@@ -55,7 +58,7 @@ def make_interaction(scene, hit, o, d):
 
     if hit.instance >= 0:  # its geometry is in object space
         owner = hit.instance
-        through = scene.instances[hit.instance]
+        through = instance_at(scene, hit.instance, time, scratch)
         p = transform_point(through, "to_world", p)
         ng = transform_normal(through, "to_object", ng)
         ns = transform_normal(through, "to_object", ns)
@@ -76,11 +79,11 @@ def make_interaction(scene, hit, o, d):
     cosine = -dot(ns, d)
     if cosine < LEAST_COSINE:
         ns = normalize(ns - d * (LEAST_COSINE - cosine))
-    return Interaction(p, ng, ns, owner, material, light, backfacing)
+    return Interaction(p, ng, ns, owner, material, light, backfacing, time)
 
 
 @kernel
-def texture_coordinates(scene, hit, p):
+def texture_coordinates(scene, hit, p, time):
     """(u, v) of the point `p`, in world space, of what was hit: for whoever has textures."""
     if hit.kind == TreeKind.TRIANGLES:
         uv = scene.triangles[hit.prim].uv
@@ -89,5 +92,5 @@ def texture_coordinates(scene, hit, p):
         v = uv[0, 1] * b0 + uv[1, 1] * hit.b1 + uv[2, 1] * hit.b2
         return u, v
     if hit.instance >= 0:
-        p = transform_point(scene.instances[hit.instance], "to_object", p)
+        p = transform_point(instance_at(scene, hit.instance, time, new_instance()), "to_object", p)
     return dispatch.uv(scene.shapes[hit.prim], p)
