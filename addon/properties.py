@@ -124,6 +124,16 @@ class LambentSceneSettings(bpy.types.PropertyGroup):
         name="Refractive", default=True, description="Light that glass throws onto a diffuse surface"
     )
 
+    # ---- Motion blur ----
+    motion_steps: IntProperty(
+        name="Steps",
+        default=1,
+        min=1,
+        max=7,
+        description="How closely motion is followed: it is looked at 2^steps times while the shutter is open, and even "
+        "in between. More for wheels and propellers",
+    )
+
     # ---- Film ----
     exposure: FloatProperty(
         name="Exposure", default=1.0, min=0.0, soft_max=10.0, description="Factor on all light that reaches the film"
@@ -156,6 +166,12 @@ def tag_object(settings, context):
 
 
 class LambentObjectSettings(bpy.types.PropertyGroup):
+    use_motion_blur: BoolProperty(
+        name="Motion Blur",
+        default=True,
+        update=tag_object,
+        description="Blur the object where it moves while the shutter is open, if the scene has motion blur",
+    )
     shape: EnumProperty(
         name="Render As",
         items=SHAPES,

@@ -13,6 +13,7 @@ from ..core import SceneBuilder
 from .camera import export_camera
 from .context import Context
 from .instances import export_instances
+from .motion import middle_of_exposure
 from .report import Report
 from .world import export_world
 
@@ -35,9 +36,10 @@ def export_scene(depsgraph, report, width, height, engine=None):
     Raises SceneError if there is nothing to look through, or data that no picture can be made of.
     """
     context = Context(depsgraph, report, SceneBuilder(), width, height, engine)
-    export_camera(context)
-    export_world(context)
-    export_instances(context)
+    with middle_of_exposure(context):
+        export_camera(context)
+        export_world(context)
+        export_instances(context)
     return context.builder, {"transparent_background": int(context.scene.render.film_transparent)}
 
 

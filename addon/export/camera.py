@@ -23,11 +23,11 @@ class Frame:
 
 
 def export_camera(context):
-    b_object = _active_camera(context)
+    b_object = active_camera(context)
     b_camera, render = b_object.data, context.scene.render
     if b_camera.type not in ("PERSP", "ORTHO"):
         context.warn(b_object.name, f"{b_camera.type.lower()} cameras are not rendered yet; using a perspective one")
-    to_world, shift_x = _placement(context, b_object)
+    to_world, shift_x = placement(context, b_object)
     frame = Frame(context.width, context.height, render.pixel_aspect_x, render.pixel_aspect_y)
     context.builder.camera(
         to_world,
@@ -39,7 +39,7 @@ def export_camera(context):
     )
 
 
-def _active_camera(context):
+def active_camera(context):
     b_object = context.engine.camera_override if context.engine else None
     b_object = b_object or context.scene.camera
     if b_object is None:
@@ -49,7 +49,7 @@ def _active_camera(context):
     return b_object.evaluated_get(context.depsgraph)
 
 
-def _placement(context, b_object):
+def placement(context, b_object):
     """Camera to world without scale, float64 (4, 4), and the horizontal shift; by the engine, which knows the eye of
     a stereo view."""
     if context.engine:

@@ -21,8 +21,9 @@ class Context:
     engine: bpy.types.RenderEngine | None = None
     materials: dict = field(default_factory=dict)  # a material's address in Blender: its number in the builder
     images: dict = field(default_factory=dict)  # an image's address in Blender: its Image
+    placed: dict | None = None  # with motion blur, what names an instance: its number in the builder
 
-    @cached_property
+    @property
     def scene(self):
         return self.depsgraph.scene_eval
 
@@ -31,7 +32,7 @@ class Context:
         """Names of the attributes that shader nodes ask for."""
         return wanted_names()
 
-    @cached_property
+    @property
     def view_layer(self):
         return self.depsgraph.view_layer_eval
 

@@ -13,6 +13,7 @@ from ..core import Aim, Visibility
 from .light import aim_of, export_light
 from .material import export_materials
 from .mesh import first_slot, mesh_arrays, point_arrays, without_broken_triangles
+from .motion import is_blurred, key_of
 from .shape import read_shape
 
 RAYS = {
@@ -75,6 +76,8 @@ def export_instances(context):
         visibility = int(visibility & source.visibility)
         if source.geometry is None or visibility == 0:
             continue
+        if context.placed is not None and is_blurred(b_source):
+            context.placed[key_of(b_instance)] = len(context.builder.placements)
         context.builder.instance(
             source.geometry,
             np.array(b_instance.matrix_world[:]),
@@ -101,6 +104,8 @@ def _source(context, b_object, geometries):
     ):
         if flag:
             context.warn(b_object.name, text)
+    if context.placed is not None and b_object.is_deform_modified(context.scene, "RENDER"):
+        context.warn(b_object.name, "its deformation is not blurred yet, only its movement")
     visibility = _visibility(context, b_object)
     return Source(geometry, materials, b_object.name, visibility, b_object.pass_index, aim_of(b_object))
 

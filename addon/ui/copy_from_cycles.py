@@ -34,13 +34,16 @@ def copy_settings(b_scene):
             setattr(ours, our_name, getattr(theirs, their_name))
     if theirs.pixel_filter_type in {identifier for identifier, *_ in FILTERS}:
         ours.filter_type = theirs.pixel_filter_type
+    for b_object in b_scene.objects:
+        b_object.lambent.use_motion_blur = b_object.cycles.use_motion_blur
+    ours.motion_steps = max((b_object.cycles.motion_steps for b_object in b_scene.objects), default=1)
 
 
 class CopyFromCycles(bpy.types.Operator):
     bl_idname = "lambent.copy_from_cycles"
     bl_label = "Copy Settings from Cycles"
     bl_description = (
-        "Take samples, bounces, clamping, seed, exposure and pixel filter from this scene's Cycles settings"
+        "Take samples, bounces, clamping, seed, exposure, pixel filter and motion blur from the settings of Cycles"
     )
     bl_options = {"REGISTER", "UNDO"}
 

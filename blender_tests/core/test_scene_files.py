@@ -25,6 +25,8 @@ def scene():
     sphere(b, Diffuse(), (0, 0, 1.5), 0.4)
     mesh = len(b.geometries) - 2
     b.instance(mesh, np.diag([0.2, 0.2, 0.2, 1.0]), [1])
+    poses = np.array([np.diag([0.2, 0.2, 0.2 + 0.1 * time, 1.0]) for time in range(3)])
+    b.instance(mesh, poses[1], motion=poses)
     b.point_light("Lamp", (2, -2, 2), (50, 50, 50), radius=0.1)
     b.background((0.2, 0.2, 0.3))
     return b.build()
@@ -96,6 +98,12 @@ def rewrite(table, field, value):
         ("instances", "root", 10**6),
         ("instances", "kind", 7),
         ("instances", "lights", 10**6),
+        ("instances", "motion", 10**6),
+        ("instances", "motion", -1),
+        ("camera", "motion", 99),
+        ("camera", "shutter", 2.0),
+        ("world", "moving_root", 10**6),
+        ("world", "pose_count", 1),
         ("world", "light_count", 10**6),
         ("lights", "level", 5),
         ("lights", "level", 6),
