@@ -81,6 +81,7 @@ CLOSURE = np.dtype(
         ("coat_ior", "f4"),
         ("coat_tint", "f4", (3,)),
         ("normal", "f4", (3,)),  # world space; zero: that of the mesh
+        ("coat_normal", "f4", (3,)),  # likewise; zero: `normal`
         ("tangent", "f4", (3,)),  # likewise; zero: any
     ]
 )

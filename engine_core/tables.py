@@ -67,6 +67,13 @@ class LobeKind(IntEnum):
 TRANSMITTING = (LobeKind.DIELECTRIC, LobeKind.REFRACTION, LobeKind.TRANSLUCENT)
 
 
+class Facets(IntEnum):
+    """Shapes of microfacets."""
+
+    GGX = 0
+    BECKMANN = 1
+
+
 class FresnelKind(IntEnum):
     """How a conductor's reflectance depends on the angle."""
 
@@ -120,6 +127,7 @@ class MaterialFlag(IntFlag):
     ONE_SIDED = 4  # emits from the front of its faces only
     TRANSMITS = 8  # a lobe scatters light through to the other side
     SUBSURFACE = 16  # has a SUBSURFACE lobe: rays walk below its surface, so objects of it have trees of their own
+    OPAQUE_SHADOW = 32  # no shadow ray passes, even if it is transparent
 
 
 # ---- Geometry --------------------------------------------------------------------------------------------------------
@@ -187,11 +195,15 @@ POSE = np.dtype(
 LOBE = np.dtype(
     [  # one way to scatter; a material has up to eight
         ("kind", "i4"),  # LobeKind
+        ("frame", "i4"),  # row of frames in its BSDF
         ("weight", "f4", (3,)),  # colour and mix factor; the albedo where the model has no Fresnel
         ("alpha_x", "f4"),  # microfacet widths, roughness ** 2; 0 is a perfect mirror
         ("alpha_y", "f4"),
+        ("facets", "i4"),  # Facets: of what shape the bumps of microfacets are
         ("ior", "f4"),  # inside over outside, as on the material; at a hit: far side over near side
         ("fresnel", "i4"),  # FresnelKind; SUBSURFACE: SubsurfaceKind
+        ("film_thickness", "f4"),  # nanometres of a thin film over microfacets; 0: there is none
+        ("film_ior", "f4"),  # over that of the outside, as on the material; at a hit: over that of the near side
         ("f0", "f4", (3,)),
         ("f82", "f4", (3,)),
         ("reflect_tint", "f4", (3,)),  # DIELECTRIC: colours of the two halves
@@ -206,13 +218,15 @@ LOBE = np.dtype(
     ]
 )
 MAX_LOBES = 8
+FRAME = np.dtype([("n", "f4", (3,)), ("s", "f4", (3,)), ("t", "f4", (3,))])  # unit, at right angles; n the normal
+MAX_FRAMES = 8
 BSDF = np.dtype(
     [  # how light scatters at one point: made at a hit by shader/, read by bsdf/
         ("count", "i4"),
-        ("ng", "f4", (3,)),  # geometric normal and shading frame; all on the side of wo
-        ("n", "f4", (3,)),
-        ("s", "f4", (3,)),
-        ("t", "f4", (3,)),
+        ("ng", "f4", (3,)),  # geometric normal, on the side of wo
+        ("frame_count", "i4"),
+        ("frame", "i4"),  # while it is made: the frame of the lobes that are being added
+        ("frames", FRAME, (MAX_FRAMES,)),  # frame 0 has the smooth normal of the surface, the others bent ones
         ("lobes", LOBE, (MAX_LOBES,)),
     ]
 )

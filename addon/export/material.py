@@ -26,4 +26,5 @@ def _add_material(context, b_material):
     if b_material is None:
         return context.builder.material("(none)", nodes.default_surface())
     surface = nodes.material_surface(context, b_material)
-    return context.builder.material(b_material.name, surface, b_material.pass_index)
+    name, number = b_material.name, b_material.pass_index
+    return context.builder.material(name, surface, number, transparent_shadows=b_material.use_transparent_shadow)

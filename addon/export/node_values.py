@@ -90,6 +90,11 @@ def _combine_xyz(values, node, output, groups):
     return _combined(*(values.number(node, groups, name) for name in "XYZ"))
 
 
+def _input_vector(values, node, output, groups):
+    """What Blender leaves of constant nodes when it resolves a tree."""
+    return tuple(float(v) for v in node.vector)
+
+
 def _combined(x, y, z):
     if all(graph.is_constant(v) for v in (x, y, z)):
         return (x, y, z)
@@ -244,6 +249,7 @@ def _normal(values, node, output, groups):
 FUNCTIONS = {
     "RGB": _rgb,
     "VALUE": _value,
+    "INPUT_VECTOR": _input_vector,
     "MATH": _math,
     "VECT_MATH": _vector_math,
     "CLAMP": _clamp,

@@ -37,10 +37,7 @@ def material_surface(context, b_material):
         translation.warn(output, "volumes are not rendered yet; only the surface is")
         if source(surface, ()).node is None:
             return m.Transparent()
-    closure = translation.closure(surface, ())
-    if len(translation.normals) > 1:
-        translation.warn(output, "its shaders have different normals; all of them get the first that is linked")
-    return closure
+    return translation.closure(surface, ())
 
 
 def world_radiance(context, b_world):
@@ -74,7 +71,6 @@ class Translation:
     def __init__(self, context, owner):
         self.context, self.owner = context, owner
         self.values = Values(context, self.warn)
-        self.normals = set()  # of its shaders
         self.depth = self.count = 0
 
     def warn(self, node, text):
@@ -164,7 +160,6 @@ class Translation:
         return m.Refraction(i.color("Color"), i.number("Roughness"), i.number("IOR"), i.normal())
 
     def _bsdf_principled(self, i):
-        i.left_out("Coat Normal")
         anisotropy, tangent = i.anisotropy("Anisotropic", "Anisotropic Rotation")
         i.taken_as({"Thin Film Thickness": 0.0, "Thin Wall": False})
         return m.Principled(
@@ -191,6 +186,7 @@ class Translation:
             emission_strength=i.number("Emission Strength"),
             multiscatter=i.is_multiscatter(),
             normal=i.normal(),
+            coat_normal=i.normal("Coat Normal"),
         )
 
     def _subsurface(self, i):
@@ -267,11 +263,9 @@ class Inputs:
     def number(self, name):
         return self.translation.values.number(self.node, self.groups, name)
 
-    def normal(self):
+    def normal(self, name="Normal"):
         """The normal that is linked, or None."""
-        normal = self.translation.values.normal_or_none(self.node, self.groups)
-        self.translation.normals.add(normal)
-        return normal
+        return self.translation.values.normal_or_none(self.node, self.groups, name)
 
     def number_or(self, name, otherwise):
         """A number that not every Blender has."""
@@ -308,15 +302,6 @@ class Inputs:
         if method == "RANDOM_WALK" and "RANDOM_WALK_LEGACY" not in self.node.bl_rna.properties[setting].enum_items:
             return m.SubsurfaceKind.LEGACY
         return m.SubsurfaceKind[method.removeprefix("RANDOM_WALK_")]
-
-    def left_out(self, *names):
-        """Warn of inputs that are linked, and are not rendered."""
-        for name in names:
-            socket = by_identifier(self.node.inputs, name)
-            culprit = source(socket, self.groups).node
-            if culprit:
-                text = f"{socket.name} is linked to {label(culprit)}, which is not rendered yet; left out"
-                self.translation.warn(self.node, text)
 
     def taken_as(self, neutral):
         """Warn of inputs that are set to another value than the one that is rendered. Not every Blender has each."""

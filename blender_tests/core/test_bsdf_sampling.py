@@ -22,6 +22,11 @@ MIXTURES = {
         lobe(LobeKind.TRANSLUCENT, weight=(0.1, 0.1, 0.3)),
     ],
 }
+MIXTURES["of two normals"] = [
+    lobe(LobeKind.DIFFUSE, weight=(0.5, 0.5, 0.2), frame=1),
+    lobe(LobeKind.CONDUCTOR, weight=(0.3, 0.3, 0.3), alpha_x=0.3, alpha_y=0.3),
+    lobe(LobeKind.DIELECTRIC, weight=(0.3, 0.3, 0.3), ior=1.5, alpha_x=0.2, alpha_y=0.2, frame=1),
+]
 KINDS = list(LobeKind)
 for first in range(0, len(KINDS), MAX_LOBES):
     kinds = KINDS[first : first + MAX_LOBES]

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Parameters for every kind of lobe, and many samples or values of a BSDF at once."""
 
+import math
+
 import numpy as np
 
 from engine_core.bsdf import dispatch
@@ -76,6 +78,7 @@ ALL_CASES = {
 }
 
 WORLD = np.eye(3)
+TILTED = np.array([[math.cos(0.4), 0.0, -math.sin(0.4)], [0.0, 1.0, 0.0], [math.sin(0.4), 0.0, math.cos(0.4)]])
 # Those that scatter in single directions only
 DELTAS = ["TRANSPARENT", "CONDUCTOR mirror", "COATING smooth", "REFRACTION smooth"]
 DELTAS += ["DIELECTRIC smooth", "DIELECTRIC smooth from inside", "DIELECTRIC index of the air"]
@@ -90,12 +93,17 @@ def lobe(kind, **fields):
 
 
 def make_bsdf(*lobes, wo=None, frame=WORLD, ng=None, backfacing=False):
-    """A row of BSDF with these lobes. Rows of `frame`: tangents s and t, and normal n. With `wo`: prepared for it."""
+    """A row of BSDF with these lobes. Rows of `frame`: tangents s and t, and normal n. With `wo`: prepared for it.
+
+    Lobes whose field `frame` is 1 have a normal that is TILTED from that.
+    """
     bsdf = np.zeros(1, BSDF).view(np.recarray)[0]
     bsdf.count = len(lobes)
     assert len(lobes) <= MAX_LOBES
-    bsdf.s, bsdf.t, bsdf.n = frame
-    bsdf.ng = bsdf.n if ng is None else ng
+    bsdf.frame_count = 2
+    for row, axes in zip(bsdf.frames, (frame, TILTED @ frame), strict=False):
+        row.s, row.t, row.n = axes
+    bsdf.ng = frame[2] if ng is None else ng
     for row, fields in zip(bsdf.lobes, lobes, strict=False):
         for name, value in fields.items():
             row[name] = value

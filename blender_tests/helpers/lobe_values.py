@@ -23,24 +23,32 @@ NODES = 32  # of the table, along roughness and cosine
 
 
 def cycles_values(closures, cosines, directions):
-    """(f |cos|, wo, wi) of shader nodes, seen at each cosine and lit from each direction of the world, seen from z.
+    """(f |cos|, wo, wi) of shader nodes in Cycles, seen at each cosine and lit from each direction, seen from z.
 
     `closures` are functions that add a node to a tree and return its output. f is (directions, closures, cosines, 3),
     wo (cosines, 3) and wi (directions, cosines, 3), both in the frame whose x leads towards the viewer.
     """
-    scene, sun = _scene(closures, cosines)
+    (f,) = values_of_engines(closures, cosines, directions, ["CYCLES"])
     directions = np.asarray(directions, float)
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
-    f = []
-    with tempfile.TemporaryDirectory() as folder:
-        for d in directions:
-            sun.rotation_euler = Vector(d).to_track_quat("Z", "Y").to_euler()
-            picture = render(Path(folder, "lobes.exr"), scene)
-            f.append(picture[PIXELS // 2 :: PIXELS, PIXELS // 2 :: PIXELS, :3])
     cos, sin = np.asarray(cosines), np.sqrt(1 - np.square(cosines))
     n, x = np.stack([0 * cos, sin, cos], axis=1), np.stack([0 * cos, -cos, sin], axis=1)
     frame = np.stack([x, np.cross(n, x), n], axis=1)  # rows
-    return np.array(f, float), np.stack([sin, 0 * cos, cos], axis=1), np.einsum("cij,dj->dci", frame, directions)
+    return f, np.stack([sin, 0 * cos, cos], axis=1), np.einsum("cij,dj->dci", frame, directions)
+
+
+def values_of_engines(closures, cosines, directions, engines):
+    """f |cos| of shader nodes as each engine renders them, (directions, closures, cosines, 3); see `cycles_values`."""
+    scene, sun = _scene(closures, cosines)
+    f = [[] for _ in engines]
+    with tempfile.TemporaryDirectory() as folder:
+        for own, engine in zip(f, engines, strict=True):
+            scene.render.engine = engine
+            for d in directions:
+                sun.rotation_euler = Vector(d).to_track_quat("Z", "Y").to_euler()
+                picture = render(Path(folder, "lobes.exr"), scene)
+                own.append(picture[PIXELS // 2 :: PIXELS, PIXELS // 2 :: PIXELS, :3])
+    return [np.array(own, float) for own in f]
 
 
 def _scene(closures, cosines):
@@ -66,15 +74,25 @@ def _scene(closures, cosines):
     columns, rows = len(cosines), len(closures)
     camera, lamp = bpy.data.cameras.new("Camera"), bpy.data.lights.new("Sun", "SUN")
     camera.type, camera.ortho_scale, camera.clip_end = "ORTHO", max(columns, rows), 1000
-    lamp.energy, lamp.angle, lamp.use_shadow = 1, 0, False
+    lamp.energy, lamp.angle = 1, 0
     scene.camera, sun = bpy.data.objects.new("Camera", camera), bpy.data.objects.new("Sun", lamp)
     scene.camera.location = (columns / 2, rows / 2, 100)
     for new in (scene.camera, sun, bpy.data.objects.new("Squares", mesh)):
         scene.collection.objects.link(new)
+    new.visible_shadow = False  # the squares stand in each other's way
     scene.render.resolution_x, scene.render.resolution_y = columns * PIXELS, rows * PIXELS
     enable_cycles()
     set_up_cycles(scene, samples=1)
     scene.cycles.pixel_filter_type, scene.cycles.max_bounces = "BOX", 0
+    if hasattr(scene, "lambent"):
+        ours = scene.lambent
+        ours.samples, ours.use_adaptive, ours.filter_type, ours.filter_width, ours.max_bounces = (
+            1,
+            False,
+            "BOX",
+            0.01,
+            0,
+        )
     return scene, sun
 
 

@@ -11,7 +11,7 @@ import math
 from ..jit import kernel
 from ..linalg.vec3 import BLACK, WHITE, Vec3, lerp, load3
 from . import energy, microfacet
-from .fresnel import f0_of_coating, f0_of_ior, fresnel_coating, fresnel_coating_average
+from .fresnel import fresnel_coating, fresnel_coating_average, tinted
 from .lobe import ONE, LobeSample, LobeValue, mirror_direction, no_direction, nothing
 
 
@@ -37,12 +37,11 @@ def sample(lobe, wo, u_choice, u0, u1):
 
 @kernel
 def albedo(lobe, wo):
-    """The Fresnel curve is linear in f0, and so is its mean over the microfacets."""
+    """The Fresnel curve is linear in f0, and so is its mean over the microfacets. Below an index of 1 an estimate."""
     if wo.z <= 0.0:
         return BLACK
-    f0 = f0_of_ior(lobe.ior)
-    s = (energy.mean_dielectric(lobe, wo.z) - f0) / (1.0 - f0)
-    return lerp(f0_of_coating(lobe.ior, load3(lobe, "f0")), WHITE, s) * energy.mirror_share(lobe, wo.z)
+    mean = tinted(energy.mean_coating(lobe, wo.z), lobe.ior, load3(lobe, "f0"))
+    return mean * energy.mirror_share(lobe, wo.z)
 
 
 # ---- Fresnel and what lies below -------------------------------------------------------------------------------------

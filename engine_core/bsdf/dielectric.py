@@ -2,13 +2,14 @@
 """Glass: GGX reflection and refraction, shared out by Fresnel's equations (Walter et al. 2007).
 
 `ior` is that of the far side over that of the near one, where wo is. Radiance is not scaled by ior ** 2 as it passes,
-as in Cycles: what is kept is power. So f(wo, wi) = ior ** 2 f(wi, wo), the second seen from the other side.
+as in Cycles: what is kept is power. `f0` tints the reflectance at normal incidence, `reflect_tint` and `refract_tint`
+all of what is reflected and refracted. So f(wo, wi) = ior ** 2 f(wi, wo), the second seen from the other side.
 """
 
 from ..jit import kernel
-from ..linalg.vec3 import BLACK, average, dot, load3, reflect
+from ..linalg.vec3 import BLACK, WHITE, Vec3, average, dot, load3, reflect
 from . import energy, microfacet
-from .fresnel import fresnel_dielectric
+from .fresnel import fresnel_dielectric, tinted
 from .lobe import UP, ZERO, LobeSample, LobeValue, no_direction, nothing
 
 
@@ -63,17 +64,19 @@ def albedo(lobe, wo):
         reflected, refracted, _, _ = halves(lobe, wo.z)
         return reflected + refracted
     share = energy.glass_albedo(lobe, wo.z)
-    reflection = min(energy.mean_dielectric(lobe, wo.z) * energy.ggx_albedo(lobe, wo.z), share)
-    tinted = load3(lobe, "reflect_tint") * reflection + load3(lobe, "refract_tint") * (share - reflection)
-    return tinted * lobe.energy_scale
+    mean = tinted(energy.mean_dielectric(lobe, wo.z), lobe.ior, load3(lobe, "f0")) * energy.ggx_albedo(lobe, wo.z)
+    reflection = Vec3(min(mean.x, share), min(mean.y, share), min(mean.z, share))
+    both = load3(lobe, "reflect_tint") * reflection + load3(lobe, "refract_tint") * (WHITE * share - reflection)
+    return both * lobe.energy_scale
 
 
 @kernel
 def halves(lobe, cos_h):
     """(colour reflected, colour refracted, probability to sample reflection, cosine of the refracted ray)."""
-    reflectance, cos_t = fresnel_dielectric(cos_h, lobe.ior)
+    real, cos_t = fresnel_dielectric(cos_h, lobe.ior)
+    reflectance = tinted(real, lobe.ior, load3(lobe, "f0"))
     reflected = load3(lobe, "reflect_tint") * reflectance
-    refracted = load3(lobe, "refract_tint") * (1.0 - reflectance)
+    refracted = load3(lobe, "refract_tint") * (WHITE - reflectance)
     r, t = average(reflected), average(refracted)
     return reflected, refracted, r / (r + t) if r > 0.0 else ZERO, cos_t
 

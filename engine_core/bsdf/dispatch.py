@@ -4,12 +4,17 @@
 `sample` chooses a lobe by its `pmf`; evaluate and pdf are those of the mixture, sum f_i and sum pmf_i pdf_i, over the
 lobes that are not deltas. So light sampling and scattering see the same BSDF, and their MIS weights add up to one.
 
+Each lobe has a frame, and most often all have the first, whose normal is the smooth one of the surface; maps of bumps
+and normals bend the others. Directions are turned into a frame once for all lobes in a row that have it.
+
 Shading normals and faces: a lobe scatters in its shading frame, and only where the face agrees. Reflection has to leave
 on the side of wo and refraction on the other, judged by `ng` too; else the value is zero, in `sample` and in `evaluate`
 alike. Cycles has the test in sampling alone: for closed objects that is the same, as a ray below the face is blocked;
-an open surface with smooth normals lets light through there and not here.
+an open surface with smooth normals lets light through there and not here. What leaves a bent frame has to be on the
+same side of the smooth normal as well, and what matt lobes scatter there fades towards its horizon: `bump_shadowing`.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -68,10 +73,7 @@ def pdf(bsdf, wo, wi):
 @kernel
 def evaluate_and_pdf(bsdf, wo, wi):
     """(f |cos(wi)|, pdf)"""
-    wo_local, wi_local = to_local(bsdf, wo), to_local(bsdf, wi)
-    if (wi_local.z > 0.0) != (dot(load3(bsdf, "ng"), wi) > 0.0):
-        return BLACK, ZERO
-    return _sum_lobes(bsdf, wo_local, wi_local, -1)
+    return _sum_lobes(bsdf, wo, wi, -1)
 
 
 @kernel
@@ -81,17 +83,20 @@ def sample(bsdf, wo, u_lobe, u0, u1):
     if chosen < 0:
         return BsdfSample(BLACK, BLACK, ZERO, np.int32(0), False, False)
     lobe = bsdf.lobes[chosen]
-    wo_local = to_local(bsdf, wo)
-    s = lobe_sample(lobe, wo_local, u, u0, u1)
-    wi, is_transmission = to_world(bsdf, s.wi), s.wi.z < 0.0
-    if s.pdf == 0.0 or is_transmission != (dot(load3(bsdf, "ng"), wi) < 0.0):
+    frame = bsdf.frames[lobe.frame]
+    s = lobe_sample(lobe, to_local(frame, wo), u, u0, u1)
+    wi = to_world(frame, s.wi)
+    is_transmission = is_behind(bsdf, wi)
+    if s.pdf == 0.0 or (is_transmission != (s.wi.z < 0.0) and lobe.kind != LobeKind.TRANSPARENT):
         return BsdfSample(BLACK, BLACK, ZERO, lobe.kind, False, False)
     weight, density = load3(lobe, "weight") * s.weight, pmf * s.pdf
+    if lobe.frame > 0 and not s.is_delta:
+        weight = weight * bump_shadowing(bsdf, lobe, wi)
     if bsdf.count > 1:
         if s.is_delta:
             weight = weight * (1.0 / pmf)
         else:
-            f, others = _sum_lobes(bsdf, wo_local, s.wi, chosen)
+            f, others = _sum_lobes(bsdf, wo, wi, chosen)
             f, density = f + weight * s.pdf, others + density
             weight = f * (1.0 / density)
     return BsdfSample(wi, weight, density, lobe.kind, s.is_delta, is_transmission)
@@ -112,13 +117,12 @@ def kind_of_lobe(bsdf, wo, wi, u):
     """Kind of a lobe that scatters to wi: of several one by chance, as often as it is the one that chooses wi."""
     if bsdf.count == 1:
         return bsdf.lobes[0].kind
-    wo_local, wi_local = to_local(bsdf, wo), to_local(bsdf, wi)
-    _, total = _sum_lobes(bsdf, wo_local, wi_local, -1)
+    _, total = _sum_lobes(bsdf, wo, wi, -1)
     rest, kind = u * total, bsdf.lobes[0].kind
     for i in range(bsdf.count):
         lobe = bsdf.lobes[i]
         if lobe.pmf > 0.0:
-            share = lobe.pmf * lobe_evaluate_and_pdf(lobe, wo_local, wi_local).pdf
+            share = _density_of_lobe(bsdf, lobe, wo, wi)
             if share > 0.0:
                 kind = lobe.kind
                 if rest < share:
@@ -135,12 +139,11 @@ def share_seeing(bsdf, wo, wi, visibility):
     matt_see, glossy_see = visibility & Visibility.DIFFUSE.value != 0, visibility & Visibility.GLOSSY.value != 0
     if matt_see == glossy_see:
         return ONE if matt_see else ZERO
-    wo_local, wi_local = to_local(bsdf, wo), to_local(bsdf, wi)
     seeing, total = ZERO, ZERO
     for i in range(bsdf.count):
         lobe = bsdf.lobes[i]
         if lobe.pmf > 0.0:
-            density = lobe.pmf * lobe_evaluate_and_pdf(lobe, wo_local, wi_local).pdf
+            density = _density_of_lobe(bsdf, lobe, wo, wi)
             total += density
             if is_matt(lobe.kind) == matt_see:
                 seeing += density
@@ -156,11 +159,10 @@ def is_behind(bsdf, wi):
 @kernel
 def albedo(bsdf, wo):
     """Share of light from everywhere that leaves towards wo, by colour; see the models for how exact."""
-    wo_local = to_local(bsdf, wo)
     total = BLACK
     for i in range(bsdf.count):
         lobe = bsdf.lobes[i]
-        total = total + load3(lobe, "weight") * lobe_albedo(lobe, wo_local)
+        total = total + load3(lobe, "weight") * lobe_albedo(lobe, to_local(bsdf.frames[lobe.frame], wo))
     return total
 
 
@@ -173,8 +175,13 @@ def chosen_lobe(bsdf, u_lobe):
 @kernel
 def become_matt(bsdf):
     """Nothing but a white diffuse lobe: where light comes out that was scattered below the surface."""
+    frame = 0
+    for i in range(bsdf.count):
+        if bsdf.lobes[i].kind == LobeKind.SUBSURFACE:
+            frame = bsdf.lobes[i].frame
     bsdf.count = 1
     lobe = bsdf.lobes[0]
+    lobe.frame = frame
     lobe.kind = LobeKind.DIFFUSE
     store3(lobe, "weight", WHITE)
     lobe.multiscatter = 0
@@ -198,14 +205,56 @@ def _choose_lobe(bsdf, u):
 
 @kernel
 def _sum_lobes(bsdf, wo, wi, but):
-    """(sum f, sum pmf pdf) in the local frame, over all lobes but one."""
+    """(sum f, sum pmf pdf) over all lobes but one."""
     f, density = BLACK, ZERO
+    is_above = dot(load3(bsdf, "ng"), wi) > 0.0
+    frame, wo_local, wi_local = -1, wo, wi
     for i in range(bsdf.count):
         lobe = bsdf.lobes[i]
         if i != but and lobe.pmf > 0.0:
-            value = lobe_evaluate_and_pdf(lobe, wo, wi)
-            f, density = f + load3(lobe, "weight") * value.f, density + lobe.pmf * value.pdf
+            if lobe.frame != frame:
+                frame = lobe.frame
+                wo_local, wi_local = to_local(bsdf.frames[frame], wo), to_local(bsdf.frames[frame], wi)
+            if (wi_local.z > 0.0) == is_above:
+                value = lobe_evaluate_and_pdf(lobe, wo_local, wi_local)
+                lit = load3(lobe, "weight") * value.f
+                if frame > 0:
+                    lit = lit * bump_shadowing(bsdf, lobe, wi)
+                f, density = f + lit, density + lobe.pmf * value.pdf
     return f, density
+
+
+@kernel
+def _density_of_lobe(bsdf, lobe, wo, wi):
+    """What the lobe adds to the density of wi."""
+    frame = bsdf.frames[lobe.frame]
+    wi_local = to_local(frame, wi)
+    if (wi_local.z > 0.0) != (dot(load3(bsdf, "ng"), wi) > 0.0):
+        return ZERO
+    return lobe.pmf * lobe_evaluate_and_pdf(lobe, to_local(frame, wo), wi_local).pdf
+
+
+@kernel
+def bump_shadowing(bsdf, lobe, wi):
+    """Share of what a lobe with a bent normal scatters to wi that gets away.
+
+    None where the smooth normal and the bent one disagree on which side wi is. What matt lobes scatter is shadowed as
+    by microfacets as steep as the bend (Conty Estevez, Lecocq and Stein 2019, "A Microfacet-Based Shadowing Function to
+    Solve the Bump Terminator Problem"), so that light fades towards the horizon and is not cut off.
+    """
+    n, smooth = load3(bsdf.frames[lobe.frame], "n"), load3(bsdf.frames[0], "n")
+    cos_i, cos_d = dot(smooth, wi), dot(smooth, n)
+    if cos_i * cos_d * dot(n, wi) < 0.0:
+        return ZERO
+    if not (is_matt(lobe.kind) or lobe.kind == LobeKind.TRANSLUCENT) or lobe.kind == LobeKind.VELVET:
+        return ONE
+    cos2_i, cos2_d = cos_i * cos_i, cos_d * cos_d
+    if cos2_d >= 1.0 or cos2_i >= 1.0:
+        return ONE
+    if cos2_i < 1e-12:
+        return ZERO
+    alpha2 = min(0.125 * (1.0 / cos2_d - 1.0), 1.0)
+    return 2.0 / (1.0 + math.sqrt(1.0 + alpha2 * (1.0 / cos2_i - 1.0)))
 
 
 # ---- Preparation -----------------------------------------------------------------------------------------------------
@@ -218,11 +267,12 @@ def prepare(bsdf, wo, backfacing):
     Turns indices of refraction around at a back face, compensates for the energy that single scattering loses, lets
     what coatings reflect not reach what lies below, and shares out the lobes' probability by what they give back.
     """
-    wo_local = to_local(bsdf, wo)
     total = ZERO
     for i in range(bsdf.count):
         lobe = bsdf.lobes[i]
+        wo_local = to_local(bsdf.frames[lobe.frame], wo)
         if backfacing and (lobe.kind == LobeKind.DIELECTRIC or lobe.kind == LobeKind.REFRACTION):
+            lobe.film_ior /= lobe.ior
             lobe.ior = 1.0 / lobe.ior
         lobe.energy_scale = ONE
         darkening = WHITE
@@ -268,17 +318,17 @@ def _cover(bsdf, cover, wo, share):
             store3(lobe, "weight", load3(lobe, "weight") * passing)
 
 
-# ---- The frame -------------------------------------------------------------------------------------------------------
+# ---- Frames ----------------------------------------------------------------------------------------------------------
 
 
 @kernel
-def to_local(bsdf, w):
-    return Vec3(dot(load3(bsdf, "s"), w), dot(load3(bsdf, "t"), w), dot(load3(bsdf, "n"), w))
+def to_local(frame, w):
+    return Vec3(dot(load3(frame, "s"), w), dot(load3(frame, "t"), w), dot(load3(frame, "n"), w))
 
 
 @kernel
-def to_world(bsdf, w):
-    return load3(bsdf, "s") * w.x + load3(bsdf, "t") * w.y + load3(bsdf, "n") * w.z
+def to_world(frame, w):
+    return load3(frame, "s") * w.x + load3(frame, "t") * w.y + load3(frame, "n") * w.z
 
 
 # ---- Lobes by kind ---------------------------------------------------------------------------------------------------

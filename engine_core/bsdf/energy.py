@@ -66,6 +66,14 @@ def mean_dielectric(lobe, cos):
 
 
 @kernel
+def mean_coating(lobe, cos):
+    """The same of a varnish, which has none of it inside: an index below 1 counts as its inverse, as in Cycles."""
+    smooth, _ = fresnel_dielectric(cos, max(lobe.ior, 1.0 / lobe.ior))
+    alpha = _alpha(lobe)
+    return smooth * _volume(FRESNEL, _index(lobe.ior), math.sqrt(alpha), _view(cos, alpha))
+
+
+@kernel
 def glass_albedo(lobe, cos):
     """Share of light that white glass gives back by single scattering, reflected and refracted."""
     alpha = _alpha(lobe)

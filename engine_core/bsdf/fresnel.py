@@ -52,13 +52,21 @@ def fresnel_dielectric_average(ior):
 
 @kernel
 def fresnel_coating(cos, ior, tint):
-    """The Fresnel curve of `ior`, as a colour: F0 takes the colour `tint`, grazing light stays white.
+    """The Fresnel curve of `ior`, as a colour, see `tinted`."""
+    reflectance, _ = fresnel_dielectric(cos, ior)
+    return tinted(reflectance, ior, tint)
+
+
+@kernel
+def tinted(reflectance, ior, tint):
+    """A reflectance on the Fresnel curve of `ior` as a colour: F0 takes the colour `tint`, grazing light stays white.
 
     The curve's way from F0 to 1 becomes the way from `f0_of_coating` to 1, as in Cycles' generalized Schlick term.
     """
+    if tint.x == 1.0 and tint.y == 1.0 and tint.z == 1.0:
+        return tint * reflectance
     f0 = f0_of_ior(ior)
-    reflectance, _ = fresnel_dielectric(cos, ior)
-    return lerp(f0_of_coating(ior, tint), WHITE, (reflectance - f0) / (1.0 - f0))
+    return lerp(f0_of_coating(ior, tint), WHITE, max((reflectance - f0) / (1.0 - f0), 0.0))
 
 
 @kernel

@@ -22,6 +22,7 @@ from .targets import choose
 
 FAR, ZERO, ONE = np.float32(np.inf), np.float32(0.0), np.float32(1.0)
 SCATTERED = (Visibility.DIFFUSE | Visibility.GLOSSY | Visibility.TRANSMISSION).value
+PASSABLE = (MaterialFlag.TRANSPARENT | MaterialFlag.OPAQUE_SHADOW).value
 ALMOST_ONE = np.float32(1.0 - 1e-4)  # shadow rays stop short: a lamp may lie in the surface of a ceiling
 
 
@@ -35,24 +36,27 @@ class Origin(NamedTuple):
 
 
 @kernel
-def sample_direct(scene, settings, it, bsdf, wo, visibility, both_sides, u_select, u0, u1):
-    """Light from one emitter, chosen at random, that the surface at `it` scatters towards `wo`."""
+def sample_direct(scene, settings, it, bsdf, wo, visibility, passed, both_sides, u_select, u0, u1):
+    """Light from one emitter, chosen at random, that the surface at `it` scatters towards `wo`.
+
+    `passed`: transparent surfaces on the path so far; their limit is one for the path and the shadow ray together.
+    """
     row, pmf_light, _ = select(scene, it.p, it.ns, both_sides, u_select)
     if pmf_light <= 0.0:
         return BLACK
-    return light_of(scene, settings, it, bsdf, wo, visibility, row, pmf_light, u0, u1)
+    return light_of(scene, settings, it, bsdf, wo, visibility, passed, row, pmf_light, u0, u1)
 
 
 @kernel
-def sample_delta(scene, settings, it, bsdf, wo, visibility, u_select):
+def sample_delta(scene, settings, it, bsdf, wo, visibility, passed, u_select):
     """As `sample_direct`, of those lights alone that no ray hits by chance: for integrators that rely on chance."""
     world = scene.world[0]
     chosen = scene.targets[choose(scene, world.target_count, world.delta_count, u_select)]
-    return light_of(scene, settings, it, bsdf, wo, visibility, chosen.light, chosen.pmf, ZERO, ZERO)
+    return light_of(scene, settings, it, bsdf, wo, visibility, passed, chosen.light, chosen.pmf, ZERO, ZERO)
 
 
 @kernel
-def light_of(scene, settings, it, bsdf, wo, visibility, row, pmf_light, u0, u1):
+def light_of(scene, settings, it, bsdf, wo, visibility, passed, row, pmf_light, u0, u1):
     """Light from the row of LIGHT, which was chosen with the probability `pmf_light`."""
     light = scene.lights[row]
     s = light_dispatch.sample(scene, light, it.p, u0, u1)
@@ -69,34 +73,34 @@ def light_of(scene, settings, it, bsdf, wo, visibility, row, pmf_light, u0, u1):
         f = f * power_heuristic(pdf_light, pdf_bsdf)
     o = offset_ray_origin(it.p, it.ng if dot(s.wi, it.ng) > 0.0 else -it.ng)
     if s.distance == FAR:
-        f = f * shadow_transmittance(scene, settings, o, s.wi, FAR, it.time)
+        f = f * shadow_transmittance(scene, o, s.wi, FAR, it.time, settings.transparent_bounces - passed)
     else:
         # To the very point that was sampled, moved off the emitter as `o` is off the surface: neither blocks the way.
         q = it.p + s.wi * s.distance
         n = light_dispatch.surface_normal(light, q)
         q = offset_ray_origin(q, n if dot(s.wi, n) < 0.0 else -n)
-        f = f * shadow_transmittance(scene, settings, o, q - o, ALMOST_ONE, it.time)
+        f = f * shadow_transmittance(scene, o, q - o, ALMOST_ONE, it.time, settings.transparent_bounces - passed)
     if light.program > 0 and not is_black(f):  # after the shadow: a program costs more than a ray
         return f * light_radiance(scene, light, new_point(), it.p + s.wi * s.distance, s.wi, s.distance, visibility)
     return f * s.radiance
 
 
 @kernel
-def shadow_transmittance(scene, settings, o, d, t_max, time):
+def shadow_transmittance(scene, o, d, t_max, time, most_surfaces):
     """The part of light that gets from o + t_max d to `o`: 0, 1, or a colour if something transparent is between.
 
-    `d` need not be unit.
+    `d` need not be unit. More than `most_surfaces` that are transparent let nothing pass.
     """
     if scene.world[0].transparent_shadows == 0:
         return BLACK if occluded(scene, o, d, t_max, time) else WHITE
     transmittance = WHITE
-    for _ in range(settings.transparent_bounces + 1):
+    for _ in range(most_surfaces + 1):
         hit = intersect_closest(scene, o, d, t_max, Visibility.SHADOW.value, time)
         if hit.prim < 0:
             return transmittance
         it = make_interaction(scene, hit, o, d, time)
         material = scene.materials[it.material]
-        if not material.flags & MaterialFlag.TRANSPARENT.value:
+        if material.flags & PASSABLE != MaterialFlag.TRANSPARENT.value:
             return BLACK
         if material.transparency_program > 0:
             point = new_point()

@@ -46,7 +46,8 @@ def trace(scene, settings, sampler, ray, time):
         # ---- Light that reaches us directly ----------------------------------------------------------------------
         if walk.ends_here == 0 and scene.world[0].light_count > 0:
             u0, u1 = sample_2d(sampler, dimension + 1)
-            Ld = sample_direct(scene, settings, it, bsdf, wo, walk.visibility, walk.both_sides != 0, u_select, u0, u1)
+            passed, both_sides = walk.transparent_bounces, walk.both_sides != 0
+            Ld = sample_direct(scene, settings, it, bsdf, wo, walk.visibility, passed, both_sides, u_select, u0, u1)
             gather_direct(settings, walk, Ld)
 
         # ---- Choose where to go ----------------------------------------------------------------------------------

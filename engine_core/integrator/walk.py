@@ -211,6 +211,7 @@ def make_bsdf(scene, settings, walk, it, bsdf):
     fill_bsdf(
         scene,
         it,
+        wo,
         walk.point,
         bsdf,
         not spreads or settings.reflective_caustics != 0,

@@ -65,6 +65,7 @@ class Material:
     surface: Surface
     one_sided: bool  # emits from the front of its faces only
     pass_index: int
+    transparent_shadows: bool  # light passes where it is transparent
 
 
 class SceneBuilder:
@@ -82,7 +83,7 @@ class SceneBuilder:
 
     # ---- Materials ----
 
-    def material(self, name, surface, pass_index=0, one_sided_emission=False):
+    def material(self, name, surface, pass_index=0, one_sided_emission=False, transparent_shadows=True):
         """Add a material; `surface` is a closure of `scene.materials`. Returns its number, for `instance`."""
         surface = flatten(surface)
         for closure, _ in surface.closures:
@@ -90,7 +91,8 @@ class SceneBuilder:
                 checks.array(name, field, np.atleast_1d(closure[field]), np.float64, None)
         if is_constant(surface.emission):
             checks.color(name, "emission", surface.emission)
-        self.materials.append(Material(name, surface, bool(one_sided_emission), int(pass_index)))
+        row = Material(name, surface, bool(one_sided_emission), int(pass_index), bool(transparent_shadows))
+        self.materials.append(row)
         return len(self.materials) - 1
 
     # ---- Geometry ----

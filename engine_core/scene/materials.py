@@ -167,6 +167,7 @@ class Principled:
     emission_strength: float = 0.0
     multiscatter: bool = True
     normal: object = None
+    coat_normal: object = None  # None: `normal`
     tangent: object = None
 
 
@@ -331,7 +332,7 @@ class _Flattening:
             values[name] = getattr(c, name)
         for name in ("subsurface_weight", "subsurface_radius", "subsurface_ior", "subsurface_anisotropy"):
             values[name] = getattr(c, name)
-        for name in ("sheen_weight", "sheen_roughness", "sheen_tint"):
+        for name in ("sheen_weight", "sheen_roughness", "sheen_tint", "coat_normal"):
             values[name] = getattr(c, name)
         self._row(ClosureKind.PRINCIPLED, weight, values, c.multiscatter, self.layers, c.subsurface_kind)
 

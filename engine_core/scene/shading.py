@@ -52,7 +52,9 @@ class Shading:
             for closure, varying in surface.closures
         ]
         lobes = np.zeros(0, LOBE)
-        if any(not graph.is_constant(value) for _, varying in closures for value in varying.values()):
+        bent = any(row[name].any() for row, _ in closures for name in ("normal", "coat_normal", "tangent"))
+        bent |= any(name in varying for _, varying in closures for name in ("normal", "coat_normal", "tangent"))
+        if bent or any(not graph.is_constant(value) for _, varying in closures for value in varying.values()):
             row["program"] = self.programs.add(closures=closures)
             if any(closure["kind"] in TRANSMITTING_CLOSURES for closure, _ in closures):
                 row["flags"] |= MaterialFlag.TRANSMITS
@@ -72,6 +74,7 @@ class Shading:
             row["flags"] |= MaterialFlag.EMISSIVE | (MaterialFlag.ONE_SIDED if material.one_sided else 0)
         transparency, row["transparency_program"] = self._value(surface.transparency)
         row["transparency"] = np.minimum(transparency, 1.0)
+        row["flags"] |= 0 if material.transparent_shadows else MaterialFlag.OPAQUE_SHADOW
         if row["transparency"].any() or (lobes["kind"] == LobeKind.TRANSPARENT).any():
             row["flags"] |= MaterialFlag.TRANSPARENT
         return lobes

@@ -12,9 +12,10 @@ import numpy as np
 from ..jit import kernel
 from ..linalg.color import not_negative
 from ..linalg.records import copy_record
-from ..linalg.vec3 import WHITE, Vec3, average, load3, max_component, store3
+from ..linalg.vec3 import BLACK, WHITE, Vec3, average, is_black, lerp, load3, max_component, store3
 from ..program_tables import ClosureKind
-from ..tables import MAX_LOBES, FresnelKind, LobeKind, SubsurfaceKind
+from ..tables import MAX_LOBES, Facets, FresnelKind, LobeKind, SubsurfaceKind
+from .frames import frame_with
 from .maths import saturate
 
 ZERO, ONE = np.float32(0.0), np.float32(1.0)
@@ -28,8 +29,9 @@ LEAST_ROUGHNESS = np.float32(0.03)  # below, an Ashikhmin-Shirley lobe is as goo
 
 @kernel
 def add_closure(bsdf, c):
-    """Add the lobes of the closure `c` to those of the BSDF."""
+    """Add the lobes of the closure `c` to those of the BSDF, which has a frame already."""
     kind = c.kind
+    bsdf.frame = frame_with(bsdf, load3(c, "normal"), load3(c, "tangent"))
     weight = WHITE * c.weight
     if kind == ClosureKind.PRINCIPLED:
         add_principled(bsdf, c, weight)
@@ -86,9 +88,11 @@ def add_cloth(bsdf, c, weight):
 @kernel
 def add_metal(bsdf, c, weight):
     """Glossy in both its distributions, and Metallic in both its models."""
-    # widths as Blender's Glossy and Metallic nodes stretch them
-    anisotropy = min(max(c.anisotropy, -0.99), 0.99)
-    stretch = 1.0 / (1.0 + anisotropy) if anisotropy < 0.0 else 1.0 - anisotropy
+    if c.kind == ClosureKind.METALLIC or c.kind == ClosureKind.CONDUCTOR:
+        stretch = principled_stretch(c.anisotropy)
+    else:  # as Blender's Glossy node
+        anisotropy = min(max(c.anisotropy, -0.99), 0.99)
+        stretch = 1.0 / (1.0 + anisotropy) if anisotropy < 0.0 else 1.0 - anisotropy
     if c.kind == ClosureKind.ASHIKHMIN_SHIRLEY and c.roughness > LEAST_ROUGHNESS:
         i = new_lobe(bsdf, LobeKind.ASHIKHMIN_SHIRLEY, weight * load3(c, "color"), 0)
         if i >= 0:
@@ -116,18 +120,20 @@ def add_principled(bsdf, c, weight):
     color = load3(c, "color")
     base = Vec3(max(color.x, ZERO), max(color.y, ZERO), max(color.z, ZERO))
     tint = load3(c, "edge_tint")
-    # widths as the Principled BSDF stretches them (Burley 2012, section 5.4)
-    stretch = 1.0 / math.sqrt(1.0 - 0.9 * saturate(c.anisotropy))
+    stretch = principled_stretch(c.anisotropy)
+    frame, coat_frame, sheen_frame = principled_frames(bsdf, c)
 
     new_lobe(bsdf, LobeKind.TRANSPARENT, weight * (1.0 - alpha), 0)
     weight = weight * alpha
     if c.sheen_weight > NEGLIGIBLE:
+        bsdf.frame = sheen_frame
         sheen_tint = load3(c, "sheen_tint") * c.sheen_weight
         i = new_lobe(bsdf, LobeKind.SHEEN, weight * sheen_tint, c.layer)
         if i >= 0:
             bsdf.lobes[i].alpha_x = saturate(c.sheen_roughness)
             bsdf.lobes[i].covers = saturate(max_component(sheen_tint))
     if c.coat_weight > NEGLIGIBLE:
+        bsdf.frame = coat_frame
         coat_weight = saturate(c.coat_weight)
         i = new_lobe(bsdf, LobeKind.COATING, weight * coat_weight, c.layer)
         if i >= 0:
@@ -137,6 +143,7 @@ def add_principled(bsdf, c, weight):
             coat.ior = max(c.coat_ior, ONE)
             coat.multiscatter = 1
             set_alphas(coat, c.coat_roughness, ONE)
+    bsdf.frame = frame
 
     i = new_lobe(bsdf, LobeKind.CONDUCTOR, weight * metallic, c.layer)
     if i >= 0:
@@ -150,7 +157,8 @@ def add_principled(bsdf, c, weight):
 
     i = new_lobe(bsdf, LobeKind.DIELECTRIC, weight * transmission, c.layer)
     if i >= 0:  # a ray passes the glass going in and coming out: each time half of the colour
-        set_glass(bsdf.lobes[i], c, tint, Vec3(math.sqrt(base.x), math.sqrt(base.y), math.sqrt(base.z)))
+        set_glass(bsdf.lobes[i], c, WHITE, Vec3(math.sqrt(base.x), math.sqrt(base.y), math.sqrt(base.z)))
+        store3(bsdf.lobes[i], "f0", tint)
     weight = weight * (1.0 - transmission)
 
     ior = specular_ior(c.ior, c.specular_level)
@@ -196,6 +204,23 @@ def add_subsurface(bsdf, c, weight, color, alpha, ior, layer):
 
 
 @kernel
+def principled_frames(bsdf, c):
+    """(frame of the base, of the coat, of the sheen above it)"""
+    base, coat_normal = bsdf.frame, load3(c, "coat_normal")
+    if is_black(coat_normal) or not (c.coat_weight > NEGLIGIBLE or c.sheen_weight > NEGLIGIBLE):
+        return base, base, base
+    coat = frame_with(bsdf, coat_normal, BLACK)
+    between = lerp(load3(bsdf.frames[base], "n"), load3(bsdf.frames[coat], "n"), saturate(c.coat_weight))
+    return base, coat, frame_with(bsdf, between, BLACK) if c.sheen_weight > NEGLIGIBLE else coat
+
+
+@kernel
+def principled_stretch(anisotropy):
+    """As the Principled BSDF stretches widths (Burley 2012, section 5.4)."""
+    return 1.0 / math.sqrt(1.0 - 0.9 * saturate(anisotropy))
+
+
+@kernel
 def set_glass(lobe, c, reflect_tint, refract_tint):
     store3(lobe, "reflect_tint", reflect_tint)
     store3(lobe, "refract_tint", refract_tint)
@@ -237,7 +262,8 @@ def new_lobe(bsdf, kind, weight, layer):
     i = bsdf.count
     bsdf.count = i + 1
     lobe = bsdf.lobes[i]
-    lobe.kind = kind
+    lobe.kind, lobe.frame = kind, bsdf.frame
+    lobe.facets, lobe.film_thickness, lobe.film_ior = Facets.GGX, ZERO, ONE
     store3(lobe, "weight", weight)
     lobe.alpha_x = lobe.alpha_y = ZERO
     lobe.ior = ONE

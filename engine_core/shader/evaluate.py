@@ -6,11 +6,11 @@ see `machine`.
 """
 
 from ..jit import kernel
-from ..linalg.frame import frame_from_normal
 from ..linalg.records import copy_record
 from ..linalg.registers import call
-from ..linalg.vec3 import cross, dot, load3, normalize, store3
+from ..linalg.vec3 import load3, store3
 from ..tables import LobeKind
+from .frames import begin_frames, complete_frames, raise_mirrors
 from .opcodes import Entry
 
 SURFACE, VALUE, LIGHT = int(Entry.SURFACE), int(Entry.VALUE), int(Entry.LIGHT)
@@ -22,13 +22,12 @@ def has_program(material):
 
 
 @kernel
-def fill_bsdf(scene, it, point, bsdf, keep_reflections, keep_refractions):
-    """Set frame and lobes of `bsdf` for the Interaction `it`; `point` is set if the material `has_program`.
+def fill_bsdf(scene, it, wo, point, bsdf, keep_reflections, keep_refractions):
+    """Set frames and lobes of `bsdf` for the Interaction `it`, seen from `wo`; `point` is set if it `has_program`.
 
     `keep_reflections`, `keep_refractions`: whether lobes that would cast caustics take part.
     """
-    store3(bsdf, "ng", it.ng)
-    store3(bsdf, "n", it.ns)
+    begin_frames(bsdf, it.ng, it.ns)
     material = scene.materials[it.material]
     if material.program > 0:
         call(scene.kernels[SURFACE].address, scene, scene.programs[material.program], point, bsdf)
@@ -38,15 +37,8 @@ def fill_bsdf(scene, it, point, bsdf, keep_reflections, keep_refractions):
             copy_record(bsdf.lobes[i], scene.lobes[material.lobes + i])
     if not (keep_reflections and keep_refractions):
         drop_caustics(bsdf, keep_reflections, keep_refractions)
-    n = load3(bsdf, "n")
-    s, t = frame_from_normal(n)
-    if material.program > 0:
-        along = cross(n, load3(bsdf, "s"))  # the program's tangent, or zero
-        if dot(along, along) > 1e-12:
-            t = normalize(along)
-            s = cross(t, n)
-    store3(bsdf, "s", s)
-    store3(bsdf, "t", t)
+    complete_frames(bsdf)
+    raise_mirrors(bsdf, wo)
 
 
 @kernel

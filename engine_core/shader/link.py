@@ -96,6 +96,7 @@ def _add_closure(bsdf, closure):
 def lobes_of(row):
     """Rows of LOBE of a row of CLOSURE."""
     bsdf, closure = np.zeros(1, BSDF).view(np.recarray), np.array([row], CLOSURE).view(np.recarray)
+    bsdf["frame_count"] = 1
     _add_closure(bsdf[0], closure[0])
     count = int(bsdf["count"][0])
     return bsdf["lobes"][0][:count].astype(LOBE)

@@ -12,8 +12,7 @@ import numpy as np
 from ..jit import kernel
 from ..linalg.records import copy_record, scratch_record
 from ..linalg.registers import call, load_float, load_vector, store_float, store_vector
-from ..linalg.vec3 import BLACK, dot, is_black, load3, store3
-from ..linalg.vector_math import safe_normalize
+from ..linalg.vec3 import load3, store3
 from ..program_tables import CLOSURE, REGISTERS
 from ..shape.interaction import make_interaction
 from ..tables import LightKind, TreeKind
@@ -23,7 +22,6 @@ from .point import set_surface, set_world
 
 ZERO = np.float32(0.0)
 TRIANGLES = int(TreeKind.TRIANGLES)  # as a Hit holds it
-MOST_SLANTED = np.float32(0.05)  # least cosine between a bent normal and the viewer
 new_registers, new_closure = scratch_record(REGISTERS), scratch_record(CLOSURE)
 
 
@@ -31,11 +29,10 @@ new_registers, new_closure = scratch_record(REGISTERS), scratch_record(CLOSURE)
 
 
 def run_surface(scene, program, point, bsdf):
-    """Lobes and normal of a surface."""
+    """Lobes of a surface, and the frames they ask for."""
     registers, closure = new_registers(), new_closure()
     run_steps(scene, program, point, registers)
     bsdf.count = 0
-    normal, tangent = BLACK, BLACK
     for i in range(program.closures, program.closures + program.closure_count):
         copy_record(closure, scene.closures[i])
         for j in range(closure.patches, closure.patches + closure.patch_count):
@@ -46,13 +43,6 @@ def run_surface(scene, program, point, bsdf):
                 store_float(closure, patch.field, load_float(registers, patch.register))
         if closure.weight > 0.0:
             add_closure(bsdf, closure)
-            if is_black(normal):
-                normal = load3(closure, "normal")
-            if is_black(tangent):
-                tangent = load3(closure, "tangent")
-    if not is_black(normal):
-        store3(bsdf, "n", seen(point, safe_normalize(normal)))
-    store3(bsdf, "s", tangent)
 
 
 def run_value(scene, program, point, unused):
@@ -106,13 +96,3 @@ def run_steps(scene, program, point, registers):
 @kernel
 def result(program, registers):
     return load3(program, "constant") if program.result < 0 else load_vector(registers, program.result)
-
-
-@kernel
-def seen(point, n):
-    """The normal `n`, bent towards the viewer as far as it takes to be seen by him."""
-    wo = load3(point, "wo")
-    if dot(n, load3(point, "ng")) < 0.0:
-        n = -n
-    cosine = dot(n, wo)
-    return n if cosine >= MOST_SLANTED else safe_normalize(n + wo * (MOST_SLANTED - cosine))

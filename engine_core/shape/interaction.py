@@ -3,8 +3,6 @@
 
 from typing import NamedTuple
 
-import numpy as np
-
 from ..jit import kernel
 from ..linalg.transform import transform_normal, transform_point
 from ..linalg.vec3 import Vec3, cross, dot, load3_at, normalize
@@ -22,11 +20,6 @@ class Interaction(NamedTuple):
     light: int  # row of LIGHT, of a divided triangle the whole, if this place emits and can be sampled; else -1
     backfacing: bool  # the ray came from behind
     time: float  # of the ray, 0 to 1 while the shutter is open
-
-
-# The least cosine between a shading normal and the viewer. Interpolated normals turn away from the viewer near the
-# outline of a coarse mesh; bent back by this much, the outline keeps its shading instead of going black.
-LEAST_COSINE = np.float32(1e-3)
 
 
 @kernel
@@ -76,9 +69,6 @@ def make_interaction(scene, hit, o, d, time):
     if backfacing:
         ng = -ng
         ns = -ns
-    cosine = -dot(ns, d)
-    if cosine < LEAST_COSINE:
-        ns = normalize(ns - d * (LEAST_COSINE - cosine))
     return Interaction(p, ng, ns, owner, material, light, backfacing, time)
 
 
