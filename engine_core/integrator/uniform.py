@@ -49,7 +49,9 @@ def trace(scene, settings, sampler, ray, time):
 
         # ---- Light that no ray runs into -------------------------------------------------------------------------
         if walk.ends_here == 0 and scene.world[0].delta_count > 0:
-            gather_direct(settings, walk, sample_delta(scene, settings, it, bsdf, wo, walk.visibility, u_delta))
+            passed = walk.transparent_bounces
+            Ld = sample_delta(scene, settings, it, bsdf, wo, walk.visibility, passed, u_delta)
+            gather_direct(settings, walk, Ld)
 
         # ---- Choose where to go ----------------------------------------------------------------------------------
         u0, u1 = sample_2d(sampler, dimension + 2)
