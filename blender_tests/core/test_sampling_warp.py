@@ -207,6 +207,22 @@ def test_circular_functions_are_right_to_the_last_place():
     np.testing.assert_allclose(s, np.sin(angle), atol=1.2e-7)
 
 
+def test_angle_of_a_point_is_right_to_the_last_places():
+    @kernel
+    def angles(y, x, out):
+        for i in range(len(x)):
+            out[i] = warp.angle_of(y[i], x[i])
+
+    turn, size = np.linspace(-np.pi, np.pi, 20_001), np.geomspace(1e-15, 1e15, 20_001)
+    on_axes = np.array([(0.0, 1.0), (0.0, -1.0), (1.0, 0.0), (-1.0, 0.0), (1.0, 1.0), (-1.0, -1.0), (1e-30, 1e-30)])
+    y = np.append(size * np.sin(turn), on_axes[:, 0]).astype(np.float32)
+    x = np.append(size * np.cos(turn), on_axes[:, 1]).astype(np.float32)
+    out = np.empty_like(x)
+    angles(y, x, out)
+    np.testing.assert_allclose(out, np.arctan2(y.astype(float), x.astype(float)), rtol=2.5e-7)
+    assert warp.angle_of(np.float32(0.0), np.float32(0.0)) == 0.0
+
+
 def test_results_are_float32():
     """A float64 in between would make a kernel twice as slow."""
     f = np.float32(0.3)

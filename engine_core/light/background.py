@@ -12,7 +12,7 @@ import numpy as np
 
 from ..jit import kernel
 from ..linalg.vec3 import Vec3, load3
-from ..sampling.warp import INV_FOUR_PI, PI, TWO_PI, square_to_sphere
+from ..sampling.warp import INV_FOUR_PI, cos_sin_turn, square_to_sphere
 from ..texture.image import equirectangular
 from .light_sample import INFINITY, LightSample, no_light
 
@@ -35,9 +35,10 @@ def sample(scene, light, u0, u1):
 @kernel
 def direction_at(u, v):
     """(direction, cosine of its latitude) of a place on the map: the inverse of `texture.image.equirectangular`."""
-    latitude, longitude = (v - 0.5) * PI, (0.5 - u) * TWO_PI
-    cosine = math.cos(latitude)
-    return Vec3(cosine * math.cos(longitude), cosine * math.sin(longitude), math.sin(latitude)), cosine
+    # its latitude is (v - 1/2) pi and its longitude (1/2 - u) 2 pi: both a quarter or a half turn from what is asked
+    minus_z, cosine = cos_sin_turn(0.5 * v)
+    minus_x, y = cos_sin_turn(u)
+    return Vec3(-cosine * minus_x, cosine * y, -minus_z), cosine
 
 
 @kernel

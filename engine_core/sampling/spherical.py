@@ -12,7 +12,7 @@ import numpy as np
 
 from ..jit import kernel
 from ..linalg.vec3 import cross, dot, length, normalize
-from .warp import INV_TWO_PI, TWO_PI, cos_sin_turn
+from .warp import INV_TWO_PI, TWO_PI, angle_of, cos_sin_turn
 
 # Smaller than this, its area over its distance squared, a shape is sampled by area.
 SMALL = np.float32(0.1)
@@ -87,7 +87,7 @@ def edge_angle(rectangle, x):
     y0, y1, z = rectangle.y0, rectangle.y1, rectangle.z
     re0, im0 = z * math.sqrt(x * x + y0 * y0 + z * z), x * y0
     re1, im1 = z * math.sqrt(x * x + y1 * y1 + z * z), x * y1
-    return math.atan2(im1 * re0 - re1 * im0, re1 * re0 + im1 * im0)
+    return angle_of(im1 * re0 - re1 * im0, re1 * re0 + im1 * im0)
 
 
 @kernel
@@ -101,7 +101,7 @@ def square_to_spherical_rectangle(u0, u1, rectangle, solid_angle, phi):
     phi += u0 * solid_angle
     b0 = y0 / math.sqrt(y0 * y0 + z * z)
     b1 = y1 / math.sqrt(y1 * y1 + z * z)
-    s = math.sin(0.5 * phi)
+    _, s = cos_sin_turn(abs(phi) * (0.5 * INV_TWO_PI))
     s2 = s * s
     sin2 = 4.0 * s2 * (1.0 - s2)  # of phi, squared
     rest2 = (b1 - b0) * (b1 - b0) + 4.0 * b0 * b1 * s2 - sin2  # third side squared, less sin2
@@ -120,7 +120,7 @@ def square_to_spherical_rectangle(u0, u1, rectangle, solid_angle, phi):
 @kernel
 def triangle_solid_angle(a, b, c):
     """Steradians between three unit directions (Van Oosterom and Strackee 1983)."""
-    turn = 2.0 * math.atan2(abs(dot(a, cross(b, c))), 1.0 + dot(a, b) + dot(b, c) + dot(c, a))
+    turn = 2.0 * angle_of(abs(dot(a, cross(b, c))), 1.0 + dot(a, b) + dot(b, c) + dot(c, a))
     return turn if turn >= 0.0 else turn + TWO_PI
 
 

@@ -20,6 +20,7 @@ QUARTER_PI = np.float32(0.25 * math.pi)
 INV_PI = np.float32(1.0 / math.pi)
 INV_TWO_PI = np.float32(0.5 / math.pi)
 INV_FOUR_PI = np.float32(0.25 / math.pi)
+LEAST = np.float32(1e-37)
 
 # ---- Disk ------------------------------------------------------------------------------------------------------------
 
@@ -98,7 +99,7 @@ def square_to_sphere_pdf():
 @kernel
 def sphere_to_square(w):
     """(u0, u1) that `square_to_sphere` takes to `w`."""
-    turn = math.atan2(w.y, w.x) * INV_TWO_PI
+    turn = angle_of(w.y, w.x) * INV_TWO_PI
     return 0.5 - 0.5 * w.z, turn + 1.0 if turn < 0.0 else turn
 
 
@@ -205,3 +206,24 @@ def cos_sin_turn(turn):
     if quarter == 3:
         return s, -c
     return c, s
+
+
+@kernel
+def angle_of(y, x):
+    """The angle of the point (x, y) from the x axis, -pi to pi, as math.atan2; 0 at the origin.
+
+    With a relative error below 2.5e-7 and without a branch: atan(a) = a + a^3 P(a^2) for 0 <= a <= 1, with the P of
+    least relative error, and the octants mirrored. Cheaper than a call of libm, too.
+    """
+    abs_x, abs_y = abs(x), abs(y)
+    a = min(abs_x, abs_y) / max(abs_x, abs_y, LEAST)
+    q = a * a
+    high = -7.552212476730347e-2 + q * (4.321183264255524e-2 + q * (-1.636791042983532e-2 + q * 2.9206876643002e-3))
+    low = -3.3333153252577515e-1 + q * (
+        1.9993773102760315e-1 + q * (-1.4211055636405945e-1 + q * 1.0666003823280334e-1)
+    )
+    q2 = q * q
+    angle = a + a * q * (low + q2 * q2 * high)
+    angle = HALF_PI - angle if abs_y > abs_x else angle
+    angle = PI - angle if x < 0.0 else angle
+    return math.copysign(angle, y)

@@ -13,6 +13,7 @@ from ..jit import kernel
 from ..linalg.registers import bits_to_float
 from ..linalg.vec3 import BLACK, Vec3
 from ..program_tables import TexelFormat
+from ..sampling.warp import angle_of
 
 ZERO, ONE = np.float32(0.0), np.float32(1.0)
 PER_BYTE = np.float32(1.0 / 255.0)
@@ -187,8 +188,8 @@ def tube_to_square(p):
 @kernel
 def equirectangular(w):
     """(u, v) of a unit direction on a map of the sky: -y in the middle, z up."""
-    u = 0.5 - math.atan2(w.y, w.x) * INV_TWO_PI
-    return u, math.atan2(w.z, math.sqrt(w.x * w.x + w.y * w.y)) * INV_PI + 0.5
+    u = 0.5 - angle_of(w.y, w.x) * INV_TWO_PI
+    return u, angle_of(w.z, math.sqrt(w.x * w.x + w.y * w.y)) * INV_PI + 0.5
 
 
 @kernel
