@@ -52,24 +52,22 @@ def intersect_closest(scene, o, d, t_max, visibility, time):
     `d` need not be unit. Lamps are not met; see `intersect_lamps`. All rays see what is in the world's own trees.
     """
     world = scene.world[0]
-    kind, prim, instance, b1, b2 = TRIANGLES, NONE, NONE, ZERO, ZERO
-    if world.triangle_root >= 0:
-        hit = intersect_triangles(scene, world.triangle_root, o, d, t_max)
-        t_max, prim, b1, b2 = hit
-    if world.shape_root >= 0:
-        hit = intersect_shapes(scene, world.shape_root, o, d, ZERO, t_max)
-        if hit.prim >= 0:
-            t_max, prim, b1, b2 = hit
-            kind = SHAPES
-    if world.instance_root >= 0:
+    hit = Hit(t_max, TRIANGLES, NONE, NONE, ZERO, ZERO)
+    if world.instance_root >= 0:  # first, since a ground or a room is behind what stands in it
         hit = intersect_instances(scene, world.instance_root, o, d, t_max, visibility)
-        if hit.prim >= 0:
-            t_max, kind, prim, instance, b1, b2 = hit
     if world.moving_root >= 0:
-        hit = intersect_moving(scene, world.moving_root, o, d, t_max, visibility, time)
-        if hit.prim >= 0:
-            return hit
-    return Hit(t_max, kind, prim, instance, b1, b2)
+        found = intersect_moving(scene, world.moving_root, o, d, hit.t, visibility, time)
+        if found.prim >= 0:
+            hit = found
+    if world.triangle_root >= 0:
+        found = intersect_triangles(scene, world.triangle_root, o, d, hit.t)
+        if found.prim >= 0:
+            hit = Hit(found.t, TRIANGLES, found.prim, NONE, found.b1, found.b2)
+    if world.shape_root >= 0:
+        found = intersect_shapes(scene, world.shape_root, o, d, ZERO, hit.t)
+        if found.prim >= 0:
+            hit = Hit(found.t, SHAPES, found.prim, NONE, found.b1, found.b2)
+    return hit
 
 
 @kernel
@@ -235,7 +233,7 @@ def instances_occlude(scene, root, o, d, t_max):
 def moving_occlude(scene, root, o, d, t_max, time):
     """Whether an instance that moves is hit where it stands at `time`."""
     stack, slabs, scratch = stack_scratch(), make_slabs(o, d), new_instance()
-    top = start(stack, root)
+    top = start_any(scene, stack, slabs, root, t_max)
     while True:
         leaf, top = any_leaf(scene, scene.instances, slabs, stack, top, t_max)
         if leaf == NO_LEAF:

@@ -3,7 +3,8 @@
 
 `square_to_X(u0, u1)` takes uniform numbers in [0, 1) to a point of X with density `square_to_X_pdf`; on the sphere that
 is a density per solid angle, else per area. `X_to_square` is the inverse. Directions are around +z.
-All are continuous where that is possible, so that well spread numbers stay well spread.
+All are continuous where that is possible, so that well spread numbers stay well spread. Their cases are selected, not
+branched to: which one comes next is as random as the numbers, so a branch costs more than what it saves.
 """
 
 import math
@@ -13,6 +14,7 @@ import numpy as np
 from ..jit import kernel
 from ..linalg.vec3 import Vec3
 
+ONE = np.float32(1.0)
 PI = np.float32(math.pi)
 TWO_PI = np.float32(2.0 * math.pi)
 HALF_PI = np.float32(0.5 * math.pi)
@@ -30,13 +32,10 @@ def square_to_disk(u0, u1):
     """(x, y) uniform on the unit disk; squares around the centre become circles (Shirley and Chiu 1997)."""
     a = 2.0 * u0 - 1.0
     b = 2.0 * u1 - 1.0
-    if abs(a) > abs(b):
-        c, s = cos_sin_octant(QUARTER_PI * (b / a))
-        return a * c, a * s
-    if b == 0.0:
-        return b, b
-    s, c = cos_sin_octant(QUARTER_PI * (a / b))
-    return b * c, b * s
+    wide = abs(a) > abs(b)
+    r, other = a if wide else b, b if wide else a
+    c, s = cos_sin_octant(QUARTER_PI * (other / (r if r != 0.0 else ONE)))
+    return r * (c if wide else s), r * (s if wide else c)
 
 
 @kernel
@@ -144,11 +143,8 @@ def square_to_triangle(u0, u1):
 
     Folds the square along its diagonal, which distorts less than the map by a square root (Heitz 2019).
     """
-    if u1 > u0:
-        b1 = 0.5 * u0
-        return b1, u1 - b1
-    b2 = 0.5 * u1
-    return u0 - b2, b2
+    half = 0.5 * min(u0, u1)
+    return half if u1 > u0 else u0 - half, u1 - half if u1 > u0 else half
 
 
 @kernel
@@ -199,13 +195,9 @@ def cos_sin_turn(turn):
     """(cos, sin) of 2 pi `turn`, for a turn from 0 to 1."""
     quarter = np.int32(4.0 * turn + 0.5)
     c, s = cos_sin_octant(HALF_PI * (4.0 * turn - np.float32(quarter)))
-    if quarter == 1:
-        return -s, c
-    if quarter == 2:
-        return -c, -s
-    if quarter == 3:
-        return s, -c
-    return c, s
+    odd = quarter & 1 != 0
+    x, y = s if odd else c, c if odd else s
+    return -x if (quarter + 1) & 2 != 0 else x, -y if quarter & 2 != 0 else y
 
 
 @kernel
