@@ -32,6 +32,7 @@ examples:
   python3 build.py compare shot.blend --samples 64 --reference 1024       beside Cycles, with errors
   python3 build.py bench noise --scenes cornell_box,interior              how soon is a picture free of noise?
   python3 build.py figures                         the pictures and plots of docs/figures.md
+  python3 build.py gallery --only cornell_box      the worlds of docs/gallery, beside Cycles
   python3 build.py package                         dist/lambent-*.zip, to install in Blender
 
 Each command makes what it needs first: a virtual environment in .venv with Blender 5.2 LTS as a Python module
@@ -261,6 +262,15 @@ def command_figures(arguments, _):
     return subprocess.call([str(python), "-m", "blender_tests.bench.figures", *words], cwd=str(ROOT))
 
 
+def command_gallery(arguments, _):
+    python = environment.environment(arguments.blender_version)
+    words = ["--output", str(Path(arguments.output).resolve())]
+    words += [word for name in arguments.only for word in ("--only", name)]
+    if arguments.samples:
+        words += ["--samples", str(arguments.samples)]
+    return subprocess.call([str(python), "-m", "blender_tests.bench.gallery", *words], cwd=str(ROOT))
+
+
 def command_package(arguments, _):
     targets = list(extension.PLATFORMS) if "all" in arguments.platform else arguments.platform
     for target in targets or [extension.this_platform()]:
@@ -385,6 +395,12 @@ def parser():
     sub.add_argument("names", nargs="*", metavar="NAME", help="worlds, time, rays (default: all)")
     sub.add_argument("-o", "--output", metavar="DIR", default=str(ROOT / "docs" / "figures"), help="(docs/figures)")
     sub.add_argument("--quick", action="store_true", help="small and coarse, to see that it runs")
+    sub.add_argument("--blender-version", **lts)
+
+    sub = add("gallery", command_gallery, "render the paper's worlds beside Cycles, for docs/gallery")
+    sub.add_argument("--samples", type=at_least(1), metavar="N", help="per pixel (default: 64)")
+    sub.add_argument("--only", action="append", default=[], metavar="NAME", help="of scenes_blend; may be repeated")
+    sub.add_argument("-o", "--output", metavar="DIR", default=str(ROOT / "docs" / "gallery"), help="(docs/gallery)")
     sub.add_argument("--blender-version", **lts)
 
     sub = add("package", command_package, "pack the extension for Blender into dist/")

@@ -73,7 +73,7 @@ def one_weekend(scene):
     add_made("Large diffuse", point, book(-4, 1, 0), 1.0, diffuse("Brown", (0.4, 0.2, 0.1)))
     add_made("Large metal", point, book(4, 1, 0), 1.0, metal("Large metal", (0.7, 0.6, 0.5), 0.0))
     sky(scene)
-    camera(scene, book(13, 2, 3), (0, 0, 0), field_of_view=30, size=(960, 540))
+    camera(scene, book(13, 2, 3), (0, 0, 0), field_of_view=35, size=(960, 540))
     focus(scene, distance=10.0, lens_radius=0.05)
 
 

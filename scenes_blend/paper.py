@@ -136,13 +136,13 @@ def light_in_the_world(scene):
 def picture_as_light(scene):
     """Figure 11: a picture shines on a sphere and a box that are covered with pictures, and on the floor."""
     wallpaper, map_of_planet = image("Mountains", mountains()), image("Planet", planet())
-    shining = picture_material("Screen", wallpaper, shader_kind="Emission", Strength=11.0)
+    shining = picture_material("Screen", wallpaper, shader_kind="Emission", Strength=14.0)
     corners = [(-3.6, -0.5, 0.2), (-1.2, 4.3, 0.2), (-1.2, 4.3, 3.0), (-3.6, -0.5, 3.0)]
     with_map(add_mesh("Screen", corners, [(0, 1, 2, 3)], shining))
-    ball = add_made("Planet", points_group(), (0.3, 2.5, 1.1), 1.1, painted_material("Planet", map_of_planet))
+    ball = add_made("Planet", points_group(), (0.2, 2.3, 1.1), 1.1, painted_material("Planet", map_of_planet))
     ball.rotation_euler.z = 1.0
     covered = picture_material("Picture", wallpaper, shader_kind="BsdfDiffuse")
-    with_map(add_cuboid("Box", (-0.8, -0.8, 0), (0.8, 0.8, 1.6), covered, (1.4, -0.3, 0), 0.44))
+    with_map(add_cuboid("Box", (-0.8, -0.8, 0), (0.8, 0.8, 1.6), covered, (1.9, -0.2, 0), 0.44))
     floor = [(-9, -9, 0), (9, -9, 0), (9, 9, 0), (-9, 9, 0)]
     add_mesh("Floor", floor, [(0, 1, 2, 3)], material("Floor", "BsdfDiffuse", Color=(0.6, 0.6, 0.6)))
     world(scene, (0, 0, 0))
