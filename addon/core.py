@@ -26,6 +26,7 @@ def _import(name):
 jit = _import("jit")
 materials = _import("scene.materials")
 graph, opcodes = _import("shader.graph"), _import("shader.opcodes")
+atmosphere, daylight = _import("texture.atmosphere"), _import("texture.daylight")
 CURVE_SIZE = _import("program_tables").CURVE_SIZE
 ProgramTables = _import("shader.program").ProgramTables
 FilterKind, IntegratorKind, SamplerKind, Settings = (
@@ -33,7 +34,7 @@ FilterKind, IntegratorKind, SamplerKind, Settings = (
 )
 status = _import("integrator.status")
 Scene, Visibility = (getattr(_import("tables"), name) for name in ("Scene", "Visibility"))
-SceneBuilder = _import("scene.builder").SceneBuilder
+SceneBuilder, LampShader = _import("scene.builder").SceneBuilder, _import("scene.builder").LampShader
 SceneError = _import("scene.checks").SceneError
 Aim = _import("scene.targets").Aim
 Render = _import("integrator.tiles").Render

@@ -104,7 +104,7 @@ PROGRAM = np.dtype(
 )
 POINT = np.dtype(
     [  # all that a program may ask of the place where it runs
-        ("kind", "i4"),  # TreeKind; -1: the world, seen along -wo
+        ("kind", "i4"),  # TreeKind; -1: the world, seen along -wo; -2: a lamp
         ("instance", "i4"),
         ("prim", "i4"),
         ("material", "i4"),

@@ -266,6 +266,8 @@ LIGHT = np.dtype(
         ("is_delta", "i4"),  # 1: no ray hits it by chance: radius 0, angle 0, spread 0
         ("two_sided", "i4"),  # TRIANGLE, and analytic shapes of the scene
         ("program", "i4"),  # row of PROGRAM that makes its radiance, `emission` being the mean; 0: it is constant
+        ("gain", "f4"),  # > 0: what the program gives, times this, is to be multiplied by `emission`: a lamp's
+        ("lamp", "i4"),  # row of INSTANCE of a lamp with a program, which has no geometry: its own coordinates; else -1
         ("visibility", "i4"),  # Visibility
         ("instance", "i4"),  # TRIANGLE, and analytic shapes of the scene: rows of what emits; lamps: -1
         ("prim", "i4"),
@@ -338,9 +340,10 @@ WORLD = np.dtype(
         ("map_width", "i4"),  # cells of the map that the world is sampled by; 0: from all sides alike
         ("map_height", "i4"),
         ("attribute_count", "i4"),  # rows of ATTRIBUTE
-        ("background_light", "i4"),
+        ("background_light", "i4"),  # row of LIGHT; all directions, but those of its disk ...
+        ("disk_light", "i4"),  # ... a row of its own: the sun in the picture of the sky; -1: there is none
         ("background_visibility", "i4"),
-        ("suns", "i4"),  # row of LIGHT of the first sun; suns stand together
+        ("suns", "i4"),  # row of LIGHT of the first sun lamp; they stand together
         ("sun_count", "i4"),
         ("light_count", "i4"),  # that shine; see TARGET
         ("far_count", "i4"),  # the first lights stand outside of the tree: suns, then beams (QUAD, DISK with spread 0)

@@ -61,7 +61,8 @@ def export_instances(context):
             visibility = parents[key]
         if b_object.type == "LIGHT":
             matrix = np.array(b_instance.matrix_world[:])
-            export_light(context, b_object, matrix, visibility & _visibility(context, b_object))
+            random = _random(b_instance, b_object.name)
+            export_light(context, b_object, matrix, visibility & _visibility(context, b_object), random)
             continue
 
         b_data = b_object.data

@@ -3,21 +3,25 @@
 
 import numpy as np
 
-from ..core import Aim
+from ..core import Aim, LampShader, graph
 from . import nodes, units
 
 
-def export_light(context, b_object, to_world, visibility):
-    """Add one lamp. `to_world`: (4, 4), instances included; `visibility`: Visibility."""
+def export_light(context, b_object, to_world, visibility, random):
+    """Add one lamp. `to_world`: (4, 4), instances included; `visibility`: Visibility; `random`: 0 to 1."""
     b_light = b_object.data
     name = b_object.name
     if getattr(getattr(b_light, "cycles", None), "is_portal", False):
         return  # guides Cycles' sampling of the world, and does not shine
     if not b_light.use_shadow:
         context.warn(name, "lights without shadows are not rendered yet; it casts shadows")
-    emission = nodes.light_emission(context, b_light)
-    color = np.array(units.light_color(b_light)) * emission
+    factor = nodes.light_factor(context, b_light)
+    color = np.array(units.light_color(b_light))
     rays = {"visibility": visibility, "aim": aim_of(b_object)}
+    if graph.is_constant(factor):
+        color = color * factor
+    else:
+        rays["shader"] = LampShader(factor, to_world, random, tuple(b_object.color), b_object.pass_index)
     EXPORTERS[b_light.type](context.builder, name, b_light, to_world, color, rays)
 
 

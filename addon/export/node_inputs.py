@@ -190,13 +190,6 @@ def _layer_weight(values, node, output, groups):
     return graph.node(Op.LAYER_WEIGHT, blend, normal, mode=int(output.identifier == "Facing"))
 
 
-def _light_falloff(values, node, output, groups):
-    """Quadratic is what light does anyway."""
-    if output.identifier != "Quadratic" or values.number(node, groups, "Smooth") != 0.0:
-        values.warn(node, f"{output.name} falloff is not rendered yet; light falls off quadratically")
-    return values.number(node, groups, "Strength")
-
-
 FUNCTIONS = {
     "TEX_COORD": _texture_coordinate,
     "NEW_GEOMETRY": _geometry,
@@ -211,5 +204,4 @@ FUNCTIONS = {
     "NORMAL_MAP": _normal_map,
     "FRESNEL": _fresnel,
     "LAYER_WEIGHT": _layer_weight,
-    "LIGHT_FALLOFF": _light_falloff,
 }

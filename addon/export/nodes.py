@@ -5,7 +5,6 @@ A closure takes the values of its sockets: numbers, or graphs of what varies ove
 """
 
 import bpy
-import numpy as np
 
 from ..core import ProgramTables, graph, opcodes
 from ..core import materials as m
@@ -45,14 +44,10 @@ def world_radiance(context, b_world):
     return _emitted(context, b_world, lambda: b_world.color[:], nothing=(0.0, 0.0, 0.0))
 
 
-def light_emission(context, b_light):
-    """The factor by which a lamp's own nodes multiply its strength, (3,)."""
+def light_factor(context, b_light):
+    """What a lamp's own nodes multiply its strength by: three numbers, or a value that varies over the lamp."""
     emitted = _emitted(context, b_light, lambda: (1.0, 1.0, 1.0), nothing=(0.0, 0.0, 0.0))
-    value = ProgramTables().constant(emitted)
-    if not graph.is_constant(value):
-        context.warn(b_light.name, "its nodes vary over the light, which is not rendered yet; it shines evenly")
-        return np.ones(3)
-    return np.array(value)
+    return ProgramTables().constant(emitted)
 
 
 def _emitted(context, b_owner, without_nodes, nothing):

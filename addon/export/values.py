@@ -1,23 +1,25 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """From sockets to values of engine_core's shader graphs: numbers where nothing is linked, else what the nodes say.
 
-Each kind of node has its function in `node_values`, `node_inputs` or `node_textures`. A node that has none is told by
-name, and its place is taken by a stand-in.
+Each kind of node has its function in `node_values`, `node_inputs`, `node_textures` or `node_lights`. A node that has
+none is told by name, and its place is taken by a stand-in.
 """
 
 import math
 
 from ..core import graph, opcodes
-from . import node_inputs, node_textures, node_values
+from . import node_inputs, node_lights, node_textures, node_values
 from .graph import by_identifier, source
 
 Op = opcodes.Op
 DEEPEST, MOST_NODES = 150, 5000  # a tree may use a node many times over; beyond, nobody will look at it
-FUNCTIONS = {**node_values.FUNCTIONS, **node_inputs.FUNCTIONS, **node_textures.FUNCTIONS}
-# What unknown nodes are taken for. Skies: averages over all directions with Blender's default settings, no sun
-SKIES = {"HOSEK_WILKIE": (0.08, 0.15, 0.22), "PREETHAM": (0.6, 0.7, 1.0)}
-LATER_SKIES = (2.0, 2.6, 3.5)
-STAND_INS = {"AMBIENT_OCCLUSION": 1.0, "TEX_IES": 1.0, "WIREFRAME": 0.0}
+FUNCTIONS = {
+    **node_values.FUNCTIONS,
+    **node_inputs.FUNCTIONS,
+    **node_textures.FUNCTIONS,
+    **node_lights.FUNCTIONS,
+}
+STAND_INS = {"AMBIENT_OCCLUSION": 1.0, "WIREFRAME": 0.0}  # what unknown nodes are taken for
 
 
 class Values:
@@ -75,8 +77,6 @@ class Values:
 
     def _stand_in(self, node, output):
         value = STAND_INS.get(node.type)
-        if node.type == "TEX_SKY":
-            value = SKIES.get(node.sky_type, LATER_SKIES)
         text = "the socket's own value" if value is None else _text(value)
         self.warn(node, f"{node.bl_label} is not rendered yet; using {text}")
         return value

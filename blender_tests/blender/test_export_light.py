@@ -124,12 +124,14 @@ def test_quadratic_falloff_is_what_light_does_anyway():
     assert intensity() == pytest.approx([5, 5, 5])
 
 
-def test_other_falloffs_are_named():
+def test_other_falloffs_are_programs_of_the_lamp():
     tree, _, emission = nodes_of(lamp(name="Lamp data").data)
     tree.links.new(tree.nodes.new("ShaderNodeLightFalloff").outputs["Linear"], emission.inputs["Strength"])
-    (warning,) = export()[1]
-    assert "Lamp data" in warning
-    assert "Light Falloff" in warning
+    builder, warnings = export()
+    (light,) = builder.build().lights
+    assert warnings == []
+    assert light["program"] > 0
+    assert light["gain"] > 0.0
 
 
 # ---- The world -------------------------------------------------------------------------------------------------------
@@ -155,13 +157,18 @@ def test_a_world_without_nodes_has_its_colour(scene):
     assert export()[0].world_radiance == pytest.approx([0.3, 0.2, 0.1])
 
 
-def test_a_sky_becomes_its_average_and_says_so(scene):
+def test_a_sky_is_a_light_and_its_sun_another(scene):
     scene.world = bpy.data.worlds.new("World")
     tree, _, background = nodes_of(scene.world)
-    tree.links.new(tree.nodes.new("ShaderNodeTexSky").outputs[0], background.inputs["Color"])
-    builder, (warning,) = export()
-    assert builder.world_radiance[2] > builder.world_radiance[0] > 0
-    assert warning.startswith("World: Sky Texture: Sky Texture is not rendered yet")
+    sky = tree.nodes.new("ShaderNodeTexSky")
+    sky.sun_elevation, sky.sun_rotation = 0.5, math.pi / 2
+    tree.links.new(sky.outputs[0], background.inputs["Color"])
+    builder, warnings = export()
+    built = builder.build()
+    assert warnings == []
+    sun, rest = built.lights[built.world.disk_light[0]], built.lights[built.world.background_light[0]]
+    assert tuple(-sun["n"]) == pytest.approx((math.cos(0.5), 0.0, math.sin(0.5)), abs=1e-6)
+    assert sun["emission"].min() > 1e4 > rest["emission"].max() > 0.1
 
 
 def test_an_environment_image_is_sampled_by_a_map_of_its_light(scene):

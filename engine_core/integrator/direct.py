@@ -9,6 +9,7 @@ from ..accel.traverse import intersect_closest, intersect_lamps, occluded
 from ..bsdf import dispatch as bsdf_dispatch
 from ..jit import kernel
 from ..light import dispatch as light_dispatch
+from ..light.background import is_in_disk
 from ..light.select import pmf, select
 from ..light.triangle import row_at
 from ..linalg.ray import offset_ray_origin
@@ -60,7 +61,7 @@ def light_of(scene, settings, it, bsdf, wo, visibility, passed, row, pmf_light, 
     """Light from the row of LIGHT, which was chosen with the probability `pmf_light`."""
     light = scene.lights[row]
     s = light_dispatch.sample(scene, light, it.p, u0, u1)
-    if s.pdf <= 0.0 or (is_black(s.radiance) and light.program == 0):
+    if s.pdf <= 0.0 or (is_black(s.radiance) and (light.program == 0 or light.gain > 0.0)):
         return BLACK
     f, pdf_bsdf = bsdf_dispatch.evaluate_and_pdf(bsdf, wo, s.wi)
     if light.visibility & SCATTERED != SCATTERED:
@@ -81,7 +82,8 @@ def light_of(scene, settings, it, bsdf, wo, visibility, passed, row, pmf_light, 
         q = offset_ray_origin(q, n if dot(s.wi, n) < 0.0 else -n)
         f = f * shadow_transmittance(scene, o, q - o, ALMOST_ONE, it.time, settings.transparent_bounces - passed)
     if light.program > 0 and not is_black(f):  # after the shadow: a program costs more than a ray
-        return f * light_radiance(scene, light, new_point(), it.p + s.wi * s.distance, s.wi, s.distance, visibility)
+        L = light_radiance(scene, light, new_point(), it.p + s.wi * s.distance, s.wi, s.distance, visibility)
+        return f * L * s.radiance if light.gain > 0.0 else f * L
     return f * s.radiance
 
 
@@ -127,8 +129,9 @@ def surface_emission(scene, it, Le, d, origin, distance):
 
 
 @kernel
-def lamp_radiance(scene, o, d, t_max, origin, distance, visibility):
-    """Radiance of all lamps that the ray passes before `t_max`. Lamps are in nobody's way, so there may be several."""
+def lamp_radiance(scene, o, d, t_max, origin, distance, visibility, point):
+    """Radiance of all lamps that the ray passes before `t_max`. Lamps are in nobody's way, so there may be several.
+    `point` is scratch."""
     L = BLACK
     t = np.float32(0.0)
     while True:
@@ -141,6 +144,8 @@ def lamp_radiance(scene, o, d, t_max, origin, distance, visibility):
         if not light.visibility & visibility:
             continue
         Le = light_dispatch.emitted(scene, light, origin.p, d, distance + t)
+        if light.program > 0 and not is_black(Le):
+            Le = Le * light_radiance(scene, light, point, o + d * t, d, distance + t, visibility)
         L = L + Le * mis_weight(scene, row, d, origin, distance + t)
 
 
@@ -155,14 +160,17 @@ def background_radiance(scene, d, origin, visibility, point):
             L = run_program(scene, world.background_program, point)
         else:
             L = load3(world, "background")
-        if world.background_light >= 0:
-            L = L * mis_weight(scene, world.background_light, d, origin, FAR)
+        row = world.disk_light if is_in_disk(scene, d) else world.background_light
+        if row >= 0:
+            L = L * mis_weight(scene, row, d, origin, FAR)
     for row in range(world.suns, world.suns + world.sun_count):
         light = scene.lights[row]
         if light.is_delta != 0 or not light.visibility & visibility:
             continue
         Le = light_dispatch.emitted(scene, light, origin.p, d, FAR)
         if not is_black(Le):
+            if light.program > 0:
+                Le = Le * light_radiance(scene, light, point, d, d, FAR, visibility)
             L = L + Le * mis_weight(scene, row, d, origin, FAR)
     return L
 

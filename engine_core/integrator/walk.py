@@ -119,7 +119,7 @@ def advance(scene, settings, walk):
     hit = intersect_closest(scene, o, d, walk.t_max, visibility, walk.time)
     walk.t = hit.t
     if scene.world[0].lamp_root >= 0:
-        L = lamp_radiance(scene, o, d, hit.t, origin, walk.distance, visibility)
+        L = lamp_radiance(scene, o, d, hit.t, origin, walk.distance, visibility, walk.point)
         gather(walk, L, limit_of_found(settings, walk))
     if hit.prim < 0:
         if visibility == CAMERA and settings.transparent_background != 0:

@@ -2,8 +2,10 @@
 """The world: all directions alike where it is constant, else in proportion to a map of its radiance.
 
 The map is a lat-long picture of map_height rows, from below to above, and map_width columns (`texture.image` says where
-directions are on it). `scene.world_map` holds sums, each from 0 to 1: over the rows by their light, map_height + 1
-numbers, and for each row over its columns, map_width + 1 numbers. (pbrt's piecewise-constant Distribution2D.)
+directions are on it). A sun in the sky is left out of it: its disk is a light of its own, sampled as sun lamps are, and
+each direction belongs to one of the two. `scene.world_map` holds sums, each from 0 to 1: over the rows by their light,
+map_height + 1 numbers, and for each row over its columns, map_width + 1 numbers. (pbrt's piecewise-constant
+Distribution2D.)
 """
 
 import math
@@ -14,6 +16,7 @@ from ..jit import kernel
 from ..linalg.vec3 import Vec3, load3
 from ..sampling.warp import INV_FOUR_PI, cos_sin_turn, square_to_sphere
 from ..texture.image import equirectangular
+from . import sun
 from .light_sample import INFINITY, LightSample, no_light
 
 AROUND = np.float32(2.0 * math.pi * math.pi)  # solid angle of the square on the map, over the cosine of the latitude
@@ -27,9 +30,16 @@ def sample(scene, light, u0, u1):
     row, v, density_v = choose(scene, 0, world.map_height, u1)
     _, u, density_u = choose(scene, first_of_row(world, row), world.map_width, u0)
     wi, cosine = direction_at(u, v)
-    if cosine <= 0.0 or density_v == 0.0 or density_u == 0.0:
+    if cosine <= 0.0 or density_v == 0.0 or density_u == 0.0 or is_in_disk(scene, wi):
         return no_light()
     return LightSample(wi, INFINITY, load3(light, "emission"), density_u * density_v / (AROUND * cosine), False)
+
+
+@kernel
+def is_in_disk(scene, wi):
+    """Whether `wi` belongs to the world's other row of LIGHT, that of the sun in its sky."""
+    row = scene.world[0].disk_light
+    return row >= 0 and sun.is_inside(scene.lights[row], wi)
 
 
 @kernel

@@ -247,10 +247,16 @@ CIE_1931 = np.array(
     ],
     np.float32,
 ) * np.float32(1e-4)
-# Linear Rec.709 of CIE XYZ, white is D65 (ITU-R BT.709).
-XYZ_TO_RED = Vec3(3.2404542, -1.5371385, -0.4985314)
-XYZ_TO_GREEN = Vec3(-0.9692660, 1.8760108, 0.0415560)
-XYZ_TO_BLUE = Vec3(0.0556434, -0.2040259, 1.0572252)
+# Linear Rec.709 of CIE XYZ, white is D65 at x 0.3127, y 0.3290 (ITU-R BT.709).
+XYZ_TO_RED = Vec3(3.2409699, -1.5373832, -0.4986108)
+XYZ_TO_GREEN = Vec3(-0.9692436, 1.8759675, 0.0415551)
+XYZ_TO_BLUE = Vec3(0.0556301, -0.2039770, 1.0569715)
+
+
+@kernel
+def xyz_to_rgb(xyz):
+    """Linear Rec.709; negative where a colour lies outside of that."""
+    return Vec3(dot(XYZ_TO_RED, xyz), dot(XYZ_TO_GREEN, xyz), dot(XYZ_TO_BLUE, xyz))
 
 
 @kernel
@@ -268,4 +274,4 @@ def wavelength_xyz(nanometres):
 def wavelength(nanometres):
     """The Wavelength node: linear Rec.709, not negative, scaled so that no channel exceeds 1."""
     xyz = wavelength_xyz(nanometres) * np.float32(1.0 / 2.52)
-    return not_negative(Vec3(dot(XYZ_TO_RED, xyz), dot(XYZ_TO_GREEN, xyz), dot(XYZ_TO_BLUE, xyz)))
+    return not_negative(xyz_to_rgb(xyz))

@@ -33,9 +33,11 @@ from ..tables import (
 )
 from . import checks, motion, shapes, targets
 from .emitters import bake_lights
-from .shading import Shading, bake_world
+from .lamp_programs import bake_lamps, instance_rows
+from .shading import Shading
 from .targets import Aim
 from .triangles import inverse, triangle_lights, triangle_rows
+from .world import bake_world, disk_row
 
 
 def assemble(builder, progress):
@@ -54,7 +56,7 @@ class _Assembly:
         self.first_prims = {}  # number of a geometry: row of TRIANGLE or SHAPE of its first one
         self.nodes, self.packets, self.triangles, self.shapes = [], [], [], []
         self.counts = dict.fromkeys(("nodes", "packets", "triangles", "shapes"), 0)
-        self.lights = list(builder.lights)
+        self.lights = [light.copy() for light in builder.lights]
         self.shading = Shading(builder._warn)
 
     def scene(self):
@@ -66,11 +68,12 @@ class _Assembly:
         world["attribute_count"] = len(attributes["attributes"])
         for root in ("triangle", "shape", "instance", "moving", "lamp", "target"):
             world[f"{root}_root"] = -1
-        world["background_light"] = -1
+        world["background_light"] = world["disk_light"] = -1
         camera, self.poses = self._poses(world)
         self._place(materials, world)
         self.progress(0.9, "Lights")
         self._lamps(world)
+        self._lamp_programs()
         self._bounds(world)
         lights = self._lights(materials, world)
         world["transparent_shadows"] = int((materials["flags"] & MaterialFlag.TRANSPARENT).any())
@@ -103,8 +106,8 @@ class _Assembly:
         world["light_count"] = len(lights)
         if world["background_program"][0] > 0:
             self.progress(0.95, "World")
-            tables["world_map"] = bake_world(scene, max(scene.images["width"], default=0))
-            lights["emission"][world["background_light"][0]] = world["background"][0]
+            tables["world_map"] = bake_world(scene, lights, max(scene.images["width"], default=0))
+        bake_lamps(scene, lights)
         tables["light_nodes"] = prepare_selection(lights, world)
         tables["lights"], tables["targets"], tables["nodes"] = self._targets(lights, world, scene.nodes)
         return Scene(**{name: np.asarray(table) for name, table in tables.items()})
@@ -305,11 +308,23 @@ class _Assembly:
         self._append("shapes", rows[order])
         self._append("nodes", nodes)
 
+    def _lamp_programs(self):
+        """Programs of lamps, and rows of INSTANCE that tell of them: behind all others."""
+        shaders = self.builder.lamp_shaders
+        rows, told = instance_rows(shaders)
+        first = len(self.instances)
+        for light in self.lights:
+            if light["lamp"] >= 0:
+                light["program"] = self.shading.lamp(shaders[light["lamp"]].factor)
+                light["lamp"] += first
+        self.instances, self.objects = np.concatenate([self.instances, rows]), np.concatenate([self.objects, told])
+
     def _lights(self, materials, world):
         """The table of lights: lamps, emissive primitives, the world; and the tree to select from."""
         background = self._background(world)
         if background:
             world["background_light"] = len(self.lights)
+            world["disk_light"] = len(self.lights) + 1 if len(background) > 1 else -1
             self.lights += background
         tables = [np.array(self.lights, LIGHT)] if self.lights else []
         count = len(self.lights)
@@ -327,21 +342,25 @@ class _Assembly:
         return lights
 
     def _background(self, world):
-        """The row of LIGHT of the world, or none: a list."""
+        """Rows of LIGHT of the world, and of the sun in its sky, as far as there are any: a list."""
         if not world["background"].any():
             return []
         row = np.zeros(1, LIGHT)
         row["kind"], row["visibility"] = LightKind.BACKGROUND, self.builder.world_visibility
         row["emission"], row["program"] = world["background"], world["background_program"]
-        row["instance"] = row["prim"] = -1
+        row["instance"] = row["prim"] = row["lamp"] = -1
         world["background_visibility"] = row["visibility"]
-        return [row[0]]
+        disks = disk_row(self.builder.world_radiance, self.builder.world_visibility)
+        for disk in disks:
+            disk["program"], disk["emission"] = row["program"][0], row["emission"][0]
+        return [row[0], *disks]
 
     def _far_first(self, lights, world):
         """Suns are looked for by every ray that leaves the scene, and weighed with beams at every place that is lit:
         they stand first among the lamps."""
         lamps = len(self.lights)
         is_sun = lights["kind"][:lamps] == LightKind.SUN
+        is_sun[world["disk_light"][world["disk_light"] >= 0]] = False
         order = np.argsort(np.select([is_sun, is_far(lights[:lamps])], [0, 1], 2), kind="stable")
         lights[:lamps] = lights[:lamps][order]
         renumbered = np.empty(lamps, np.int32)
@@ -349,8 +368,9 @@ class _Assembly:
         for table in self.shapes[-1:] if world["lamp_root"][0] >= 0 else []:
             table["light"] = renumbered[table["light"]]
         world["suns"], world["sun_count"] = 0, is_sun.sum()
-        if world["background_light"] >= 0:
-            world["background_light"] = renumbered[world["background_light"]]
+        for field in ("background_light", "disk_light"):
+            if world[field] >= 0:
+                world[field] = renumbered[world[field]]
 
     def _emitters(self, number, placement, geometry, materials):
         """Rows of LIGHT for the emissive primitives of an instance; None if they cannot be sampled."""
@@ -387,7 +407,9 @@ class _Assembly:
         """Lights, TARGET, NODE: behind the lights what is aimed at and does not shine; all that is aimed at; its tree
         behind all others."""
         geometries = [self.builder.geometries[placement.geometry] for placement in self.placements]
-        dark = targets.dark_lights(self.placements, self.matrices, geometries, self.instances["lights"])
+        dark = targets.dark_lights(
+            self.placements, self.matrices, geometries, self.instances["lights"][: len(geometries)]
+        )
         lights = _concatenate([lights, *dark], LIGHT)
         rows, tree = targets.make(lights, world)
         if len(tree):

@@ -15,6 +15,7 @@ asked, is told in `warnings`.
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -68,12 +69,22 @@ class Material:
     transparent_shadows: bool  # light passes where it is transparent
 
 
+class LampShader(NamedTuple):
+    """What a lamp's radiance is multiplied by: a value of `shader.graph`, evaluated in the lamp's own space."""
+
+    factor: object
+    to_world: np.ndarray  # (4, 4)
+    random: float = 0.0
+    color: tuple = (1.0, 1.0, 1.0, 1.0)
+    pass_index: int = 0
+
+
 class SceneBuilder:
     """Collects a scene; `build` makes the tables. A builder may go on growing after `build` and be built again."""
 
     def __init__(self):
         self.materials, self.geometries, self.placements = [], [], []
-        self.lights, self.lamp_shapes = [], []
+        self.lights, self.lamp_shapes, self.lamp_shaders = [], [], []
         self.world_radiance, self.world_visibility = np.zeros(3), int(Visibility.ALL)
         self.camera_row = self.camera_motion = None
         self.shutter_curve = None
@@ -185,21 +196,46 @@ class SceneBuilder:
 
     # ---- Light ----
 
-    def point_light(self, name, position, power, radius=0.0, soft=True, visibility=Visibility.ALL, aim=Aim.AUTOMATIC):
-        """A lamp that shines all around. `power` (3,) W; `soft`: a disk that faces whoever looks, else a sphere."""
+    def point_light(
+        self,
+        name,
+        position,
+        power,
+        radius=0.0,
+        soft=True,
+        visibility=Visibility.ALL,
+        aim=Aim.AUTOMATIC,
+        shader=None,
+    ):
+        """A lamp that shines all around. `power` (3,) W; `soft`: a disk that faces whoever looks, else a sphere.
+
+        `shader`, of any lamp: a LampShader, by which its radiance is multiplied.
+        """
         to_world = np.eye(4)
         to_world[:3, 3] = position
-        self._add_lamp(lamps.point(name, to_world, power, radius, soft, visibility), aim)
+        self._add_lamp(lamps.point(name, to_world, power, radius, soft, visibility), aim, shader)
 
     def spot_light(
-        self, name, to_world, power, radius, angle, blend, soft=True, visibility=Visibility.ALL, aim=Aim.AUTOMATIC
+        self,
+        name,
+        to_world,
+        power,
+        radius,
+        angle,
+        blend,
+        soft=True,
+        visibility=Visibility.ALL,
+        aim=Aim.AUTOMATIC,
+        shader=None,
     ):
         """A point light in a cone of full `angle` about -z; `blend` 0 to 1 softens its edge."""
-        self._add_lamp(lamps.spot(name, to_world, power, radius, angle, blend, soft, visibility), aim)
+        self._add_lamp(lamps.spot(name, to_world, power, radius, angle, blend, soft, visibility), aim, shader)
 
-    def sun_light(self, name, direction, irradiance, angle=0.0, visibility=Visibility.ALL, aim=Aim.AUTOMATIC):
+    def sun_light(
+        self, name, direction, irradiance, angle=0.0, visibility=Visibility.ALL, aim=Aim.AUTOMATIC, shader=None
+    ):
         """Light that travels along `direction`, from a disk of full `angle`; `irradiance` (3,) W / m2 facing it."""
-        self._add_lamp(lamps.sun(name, direction, irradiance, angle, visibility), aim)
+        self._add_lamp(lamps.sun(name, direction, irradiance, angle, visibility), aim, shader)
 
     def area_light(
         self,
@@ -212,11 +248,12 @@ class SceneBuilder:
         spread=math.pi,
         visibility=Visibility.ALL,
         aim=Aim.AUTOMATIC,
+        shader=None,
     ):
         """A rectangle or an ellipse in the xy plane that shines along -z. `power` (3,) W; `spread`: full angle."""
-        self._add_lamp(lamps.area(name, to_world, power, size_x, size_y, shape, spread, visibility), aim)
+        self._add_lamp(lamps.area(name, to_world, power, size_x, size_y, shape, spread, visibility), aim, shader)
 
-    def _add_lamp(self, lamp, aim):
+    def _add_lamp(self, lamp, aim, shader):
         light, shape = lamp
         if light is None:
             return
@@ -224,6 +261,9 @@ class SceneBuilder:
         if shape is not None:
             shape["light"] = len(self.lights)
             self.lamp_shapes.append(shape)
+        if shader is not None:
+            light["lamp"] = len(self.lamp_shaders)  # for now: `assemble` knows rows of INSTANCE
+            self.lamp_shaders.append(shader)
         self.lights.append(light)
 
     def background(self, radiance, visibility=Visibility.ALL):

@@ -114,6 +114,7 @@ def check_tables(name, tables):
         raise SceneError(f"{name}: suns and beams lead outside of the table lights")
     for field, what, table in (
         ("background_light", "the world's background", "lights"),
+        ("disk_light", "the sun in the sky", "lights"),
         ("only_light", "the only light", "lights"),
         ("light_root", "the tree of lights", "light_nodes"),
     ):

@@ -117,7 +117,7 @@ def _common(name, to_world, power):
 def _light(kind, visibility):
     light = np.zeros(1, LIGHT)[0]
     light["kind"], light["visibility"] = kind, int(visibility)
-    light["instance"] = light["prim"] = -1
+    light["instance"] = light["prim"] = light["lamp"] = -1
     light["cos_angle"], light["spread"] = -1.0, math.inf
     return light
 

@@ -1,25 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Materials, the world and attributes as tables: what is constant as rows, what varies as programs."""
+"""Materials, the world, lamps and attributes as tables: what is constant as rows, what varies as programs."""
 
 import numpy as np
 
-from ..jit import kernel
-from ..light.background import direction_at, make_map
-from ..linalg.color import not_negative
-from ..linalg.vec3 import Vec3, average, store3
-from ..program_tables import ATTRIBUTE, ATTRIBUTE_MAP, CELL, ClosureKind
+from ..program_tables import ATTRIBUTE, ATTRIBUTE_MAP, ClosureKind
 from ..shader import graph
-from ..shader.evaluate import run_program
 from ..shader.graph import GraphError
-from ..shader.point import new_point, set_world
 from ..shader.program import ProgramTables
-from ..tables import LOBE, MATERIAL, TRANSMITTING, LobeKind, MaterialFlag, Visibility
+from ..tables import LOBE, MATERIAL, TRANSMITTING, LobeKind, MaterialFlag
 from .materials import Diffuse, flatten, lower
 
 GREY = Diffuse((0.5, 0.5, 0.5))
 TRANSMITTING_CLOSURES = (ClosureKind.GLASS, ClosureKind.REFRACTION, ClosureKind.TRANSLUCENT, ClosureKind.PRINCIPLED)
-BAKED = np.dtype([("radiance", "f4", (3,))])
-MAP_WIDTH, LARGE_MAP_WIDTH = 1024, 2048  # columns of the world's map; the larger for images of more columns
 
 
 class Shading:
@@ -92,6 +84,12 @@ class Shading:
         """Set the world's radiance, a value."""
         world["background"], world["background_program"] = self._value(radiance)
 
+    # ---- Lamps ----
+
+    def lamp(self, factor):
+        """Row of PROGRAM of what a lamp's radiance is multiplied by."""
+        return self.programs.add(factor)
+
     # ---- Attributes ----
 
     def attributes(self, geometries):
@@ -127,43 +125,3 @@ def _scatters_below(closure, varying):
         weight = varying.get("subsurface_weight", closure["subsurface_weight"])
         return not (graph.is_constant(weight) and weight <= 0.0)
     return closure["kind"] == ClosureKind.SUBSURFACE
-
-
-# ---- What the world's program comes to on average --------------------------------------------------------------------
-
-
-def bake_world(scene, largest_image):
-    """Make the map of a world with a program: sets its size and mean radiance in WORLD, returns the table CELL."""
-    width = LARGE_MAP_WIDTH if largest_image > MAP_WIDTH else MAP_WIDTH
-    height = width // 2
-    cells = np.zeros(width * height, BAKED).view(np.recarray)
-    _bake_world(scene, cells, width, height, 2)
-    radiance = cells["radiance"].reshape(height, width, 3)
-    weight = np.cos(((np.arange(height) + 0.5) / height - 0.5) * np.pi)
-    mean = (radiance.astype(np.float64).mean(axis=1) * weight[:, None]).sum(axis=0) / weight.sum()
-    world = scene.world
-    world["background"] = mean
-    if not mean.any():
-        return np.zeros(0, CELL)
-    world["map_width"], world["map_height"] = width, height
-    return make_map(radiance).view(CELL)
-
-
-@kernel
-def _bake_world(scene, cells, width, height, per_side):
-    """Means of per_side^2 directions in each cell."""
-    point, program = new_point(), scene.world[0].background_program
-    share = 1.0 / np.float32(per_side * per_side)
-    for row in range(height):
-        for column in range(width):
-            total = Vec3(0.0, 0.0, 0.0)
-            for i in range(per_side):
-                v = (np.float32(row) + (np.float32(i) + 0.5) / np.float32(per_side)) / np.float32(height)
-                for j in range(per_side):
-                    u = (np.float32(column) + (np.float32(j) + 0.5) / np.float32(per_side)) / np.float32(width)
-                    d, _ = direction_at(u, v)
-                    set_world(point, d, Visibility.DIFFUSE.value)
-                    L = run_program(scene, program, point)
-                    if np.isfinite(average(L)):
-                        total = total + not_negative(L)
-            store3(cells[row * width + column], "radiance", total * share)

@@ -123,6 +123,7 @@ def _perpendicular(a, b):
 def lights(rows):
     """Rows of LIGHT for rows of SHAPE in the world's space; what they emit is left to the caller."""
     result = np.zeros(len(rows), LIGHT)
+    result["lamp"] = -1
     u, v = rows["u"].astype(np.float64), rows["v"].astype(np.float64)
     radius = rows["radius"].astype(np.float64)
     n = np.cross(u, v)

@@ -112,7 +112,7 @@ def _targets(lights, rows, strength):
     owner = np.where(lights["instance"] >= 0, lights["instance"], -1 - np.arange(len(rows)))
     _, group = np.unique(np.stack([owner, shines]), axis=1, return_inverse=True)
     group = group.ravel()
-    within = np.where(shines, strength, lights["area"])
+    within = np.where(shines, strength, np.where(strength.any(), lights["area"], 1.0))
     total = np.bincount(group, within)
     count = len(total)
     lit = np.bincount(group, shines) > 0

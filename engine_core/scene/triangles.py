@@ -42,6 +42,7 @@ def from_corners(p, matrix):
     if np.linalg.det(matrix[:, :3]) < 0.0:
         p = p[:, [0, 2, 1]]
     rows = np.zeros(len(p), LIGHT)
+    rows["lamp"] = -1
     u, v = p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]
     normal = np.cross(u, v)
     length = np.linalg.norm(normal, axis=1)

@@ -80,7 +80,8 @@ def emission(scene, material, point):
 
 @kernel
 def light_radiance(scene, light, point, q, wi, distance, visibility):
-    """Radiance of a light with a program at its point `q`, which lies along `wi`; `point` is scratch."""
+    """Radiance of a light with a program at its point `q`, which lies along `wi`, or of a lamp (gain > 0) the factor of
+    its radiance; `point` is scratch."""
     store3(point, "p", q)
     store3(point, "wo", -wi)
     point.ray_length, point.visibility = distance, visibility

@@ -14,6 +14,7 @@ from ..shape import dispatch as shapes
 from ..tables import CameraKind, TreeKind, Visibility
 from .opcodes import InputNumber, InputVector, Op
 from .operands import give_number, give_vector
+from .point import WORLD
 
 ZERO, ONE = np.float32(0.0), np.float32(1.0)
 
@@ -181,7 +182,7 @@ def barycentrics_at(scene, instance, prim, p, time):
 
 @kernel
 def texture_uv(scene, point, p, shift):
-    if shift == 0 or point.kind < 0:
+    if shift == 0 or point.kind < 0:  # the world and lamps have no neighbours
         return Vec3(point.uv[0], point.uv[1], 0.0)
     if point.kind == TreeKind.SHAPES:
         shape = scene.shapes[point.prim]
@@ -225,7 +226,7 @@ def attribute(scene, op, point, registers):
 def camera_space(scene, point, p):
     """x to the right, y up, z away from the camera."""
     camera = scene.camera[0]
-    if point.kind >= 0:
+    if point.kind != WORLD:
         p = p - transform_point(camera, "to_world", BLACK)
     p = transform_normal(camera, "to_world", p)
     return Vec3(p.x, p.y, -p.z)

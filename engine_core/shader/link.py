@@ -10,7 +10,7 @@ from ..linalg.records import numba_type, scratch_record
 from ..linalg.registers import call, load_float
 from ..program_tables import CLOSURE, KERNEL, OP, POINT, PROGRAM, REGISTERS
 from ..tables import BSDF, LIGHT, LOBE, Scene
-from . import closures, color, inputs, lookup, machine, maths, noises, patterns, vectors
+from . import closures, color, inputs, lighting, lookup, machine, maths, noises, patterns, vectors
 from .opcodes import Entry
 
 FAMILIES = {
@@ -23,6 +23,7 @@ FAMILIES = {
     Entry.NOISE: noises.run_noise,
     Entry.VORONOI: noises.run_voronoi,
     Entry.GABOR: noises.run_gabor,
+    Entry.LIGHTING: lighting.run,
 }
 MACHINE = {
     Entry.SURFACE: (machine.run_surface, PROGRAM, BSDF),

@@ -15,10 +15,10 @@ from ..linalg.registers import call, load_float, load_vector, store_float, store
 from ..linalg.vec3 import load3, store3
 from ..program_tables import CLOSURE, REGISTERS
 from ..shape.interaction import make_interaction
-from ..tables import LightKind, TreeKind
+from ..tables import TreeKind
 from .closures import add_closure
 from .inputs import barycentrics_at
-from .point import set_surface, set_world
+from .point import set_lamp, set_surface, set_world
 
 ZERO = np.float32(0.0)
 TRIANGLES = int(TreeKind.TRIANGLES)  # as a Hit holds it
@@ -53,11 +53,15 @@ def run_value(scene, program, point, unused):
 
 
 def run_light(scene, light, point, unused):
-    """Radiance of a light with a program, to `point.result`. Set are, of the point: p on the light (for the world
-    nothing), wo towards what is lit, and visibility."""
+    """Radiance of a light with a program, or (gain > 0) its factor, to `point.result`. Set are, of the point: p on the
+    light (for the world nothing), wo towards what is lit, ray_length, and visibility."""
     registers, wo = new_registers(), load3(point, "wo")
     program = scene.programs[light.program]
-    if light.kind == LightKind.BACKGROUND:
+    gain = np.float32(1.0)
+    if light.gain > 0.0:
+        gain = light.gain
+        set_lamp(scene, point, light, load3(point, "p"), wo, point.visibility, point.ray_length)
+    elif light.instance < 0:
         set_world(point, -wo, point.visibility)
     else:
         p = load3(point, "p")
@@ -69,7 +73,7 @@ def run_light(scene, light, point, unused):
         it = make_interaction(scene, hit, p + wo * point.ray_length, -wo, ZERO)
         set_surface(scene, point, it, hit, wo, point.visibility, ZERO)
     run_steps(scene, program, point, registers)
-    store3(point, "result", result(program, registers))
+    store3(point, "result", result(program, registers) * gain)
 
 
 # ---- Steps -----------------------------------------------------------------------------------------------------------

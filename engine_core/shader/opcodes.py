@@ -36,6 +36,7 @@ class Entry(IntEnum):
     VORONOI = 10
     GABOR = 11
     SUBSURFACE = 12  # walk below a surface, see integrator/subsurface.py
+    LIGHTING = 13
 
 
 class Op(IntEnum):
@@ -84,6 +85,9 @@ class Op(IntEnum):
     NOISE = 90
     VORONOI = 100
     GABOR = 110
+    SKY = 120
+    DAYLIGHT = 121
+    IES = 122
 
 
 class InputVector(IntEnum):
@@ -165,6 +169,18 @@ class Projection(IntEnum):
 class Panorama(IntEnum):
     EQUIRECTANGULAR = 0
     MIRROR_BALL = 1
+
+
+class SkyTable(IntEnum):
+    """SKY: which table of `texture.atmosphere` it looks at."""
+
+    WHOLE = 0
+    UPPER_HALF = 1  # Blender 4's
+
+
+class Daylight(IntEnum):
+    PREETHAM = 0
+    HOSEK_WILKIE = 1
 
 
 UNASSOCIATE = 64  # IMAGE: a flag of its mode: divide colours by alpha
@@ -249,4 +265,9 @@ SIGNATURES = {
     Op.NOISE: Signature(Entry.NOISE, (3, 1, 1, 1, 1, 1, 1, 1, 1), 4, 256),
     Op.VORONOI: Signature(Entry.VORONOI, (3, 1, 1, 1, 1, 1, 1, 1, 1), 9, 512),
     Op.GABOR: Signature(Entry.GABOR, (3, 1, 1, 1, 1, 3), 3, 4),
+    # direction, elevation, azimuth, size, intensity of the sun, horizon, bottom and top of its disk
+    Op.SKY: Signature(Entry.LIGHTING, (3, 1, 1, 1, 1, 1, 3, 3), 3, len(SkyTable), "images"),
+    # direction, nine shapes of channels, their factors, (angle to the vertical, azimuth, 0) of the sun
+    Op.DAYLIGHT: Signature(Entry.LIGHTING, (3,) * 12, 3, len(Daylight)),
+    Op.IES: Signature(Entry.LIGHTING, (3, 1), 1, 1, "images"),
 }

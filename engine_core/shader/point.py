@@ -1,14 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The place where a program runs: a row of POINT."""
 
+import math
+
 import numpy as np
 
 from ..jit import kernel
 from ..linalg.records import scratch_record
-from ..linalg.vec3 import store3
+from ..linalg.transform import transform_normal, transform_vector
+from ..linalg.vec3 import dot, load3, normalize, store3
 from ..program_tables import POINT
 from ..shape.interaction import texture_coordinates
+from ..tables import LightKind
+from ..texture.image import sphere_to_square
 
+WORLD, LAMP = -1, -2  # kinds of places beside TreeKind
 ZERO = np.float32(0.0)
 new_point = scratch_record(POINT)
 
@@ -28,6 +34,46 @@ def set_surface(scene, point, it, hit, wo, visibility, footprint):
     store3(point, "ng", it.ng)
     store3(point, "ns", it.ns)
     store3(point, "wo", wo)
+
+
+@kernel
+def set_lamp(scene, point, light, q, wo, visibility, distance):
+    """The point `q` of a lamp, seen along -wo from that far away. Of a sun the position is the direction towards it
+    turned around, as in Cycles."""
+    set_world(point, -wo, visibility)
+    point.kind, point.instance, point.ray_length = LAMP, light.lamp, distance
+    n = normal_of_lamp(light, q, wo)
+    store3(point, "p", wo if light.kind == LightKind.SUN else q)
+    store3(point, "ng", n)
+    store3(point, "ns", n)
+    instance = scene.instances[light.lamp]
+    if light.kind == LightKind.POINT:
+        point.uv[0], point.uv[1] = sphere_to_square(transform_vector(instance, "to_object", n))
+    elif light.kind == LightKind.SPOT:
+        across = 0.5 * light.cos_angle / math.sqrt(max(1.0 - light.cos_angle * light.cos_angle, 1e-12))
+        scale = across / dot(wo, load3(light, "n"))
+        point.uv[0] = 0.5 + dot(wo, load3(light, "u")) * scale
+        point.uv[1] = 0.5 + dot(wo, load3(light, "v")) * scale
+    elif light.kind == LightKind.SUN:
+        towards = -wo
+        z = dot(wo, load3(light, "n"))
+        scale = 0.5 / math.sqrt(max(light.height * (1.0 + z), 1e-12))
+        along = transform_normal(instance, "to_world", towards)
+        point.uv[0], point.uv[1] = 0.5 + along.x * scale, 0.5 + along.y * scale
+    else:
+        u, v, w = load3(light, "u"), load3(light, "v"), q - load3(light, "p")
+        half = math.copysign(np.float32(0.5), transform_vector(instance, "to_object", v).y)  # it may be turned around
+        point.uv[0], point.uv[1] = 0.5 + 0.5 * dot(w, u) / dot(u, u), 0.5 + half * dot(w, v) / dot(v, v)
+
+
+@kernel
+def normal_of_lamp(light, q, wo):
+    """Of a sphere and of a plane their own, of what has no extent towards whoever looks."""
+    if light.kind == LightKind.QUAD or light.kind == LightKind.DISK:
+        return load3(light, "n")
+    if light.kind != LightKind.SUN and light.is_delta == 0 and (light.soft == 0 or light.kind == LightKind.SPOT):
+        return normalize(q - load3(light, "p"))
+    return wo
 
 
 @kernel

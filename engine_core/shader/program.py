@@ -10,7 +10,7 @@ import numpy as np
 from ..program_tables import CLOSURE, CURVE, CURVE_SIZE, IMAGE, MAX_REGISTERS, OP, PATCH, PROGRAM, TEXEL, TexelFormat
 from . import link
 from .graph import GraphError, Node, Part, is_constant, nodes_below, width
-from .opcodes import SIGNATURES, Entry
+from .opcodes import SIGNATURES
 
 MOST_OPS = 4096
 FORMATS = {np.uint8: TexelFormat.BYTE, np.float16: TexelFormat.HALF, np.float32: TexelFormat.FLOAT}
@@ -107,7 +107,7 @@ class ProgramTables:
             signature = SIGNATURES[n.op]
             if signature.varies or any(not is_constant(_known(operand, known)) for operand in n.operands):
                 continue
-            if signature.family == Entry.IMAGE:
+            if signature.table == "images":
                 continue  # an image at one place: rare, and needs the table of pixels
             op = self._op(n, {}, known)
             curves = np.concatenate(self.curves) if self.curves else np.zeros(0, CURVE)

@@ -99,7 +99,10 @@ def _users(tables):
     objects, lights = tables["objects"], tables["lights"]
     if len(objects) != len(tables["instances"]):
         yield "there are instances of which nothing is told"
-    textured = lights[(lights["program"] > 0) & (lights["instance"] >= 0)]
+    shaded = (lights["program"] > 0) & (lights["gain"] > 0.0)
+    if not ((lights["lamp"][shaded] >= 0) & (lights["lamp"][shaded] < len(objects))).all():
+        yield "lamps have no space of their own"
+    textured = lights[(lights["program"] > 0) & (lights["instance"] >= 0) & ~shaded]
     if (textured["instance"] >= len(objects)).any():
         yield "lights belong to no instance"
     elif len(textured):
