@@ -37,7 +37,7 @@ from .lamp_programs import bake_lamps, instance_rows
 from .shading import Shading
 from .targets import Aim
 from .triangles import inverse, triangle_lights, triangle_rows
-from .world import bake_world, disk_row
+from .world import bake_world, light_rows
 
 
 def assemble(builder, progress):
@@ -321,7 +321,7 @@ class _Assembly:
 
     def _lights(self, materials, world):
         """The table of lights: lamps, emissive primitives, the world; and the tree to select from."""
-        background = self._background(world)
+        background = light_rows(world, self.builder.world_radiance, self.builder.world_visibility)
         if background:
             world["background_light"] = len(self.lights)
             world["disk_light"] = len(self.lights) + 1 if len(background) > 1 else -1
@@ -340,20 +340,6 @@ class _Assembly:
         self._far_first(lights, world)
         world["light_count"] = len(lights)
         return lights
-
-    def _background(self, world):
-        """Rows of LIGHT of the world, and of the sun in its sky, as far as there are any: a list."""
-        if not world["background"].any():
-            return []
-        row = np.zeros(1, LIGHT)
-        row["kind"], row["visibility"] = LightKind.BACKGROUND, self.builder.world_visibility
-        row["emission"], row["program"] = world["background"], world["background_program"]
-        row["instance"] = row["prim"] = row["lamp"] = -1
-        world["background_visibility"] = row["visibility"]
-        disks = disk_row(self.builder.world_radiance, self.builder.world_visibility)
-        for disk in disks:
-            disk["program"], disk["emission"] = row["program"][0], row["emission"][0]
-        return [row[0], *disks]
 
     def _far_first(self, lights, world):
         """Suns are looked for by every ray that leaves the scene, and weighed with beams at every place that is lit:

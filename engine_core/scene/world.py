@@ -26,6 +26,21 @@ WIDER = 1.0 + 1e-3  # than the sun's disk: its edge is rounded differently where
 DISK_SAMPLES = 256
 
 
+def light_rows(world, radiance, visibility):
+    """Rows of LIGHT of the world, and of the sun in its sky, as far as there are any: a list."""
+    if not world["background"].any():
+        return []
+    row = np.zeros(1, LIGHT)
+    row["kind"], row["visibility"] = LightKind.BACKGROUND, visibility
+    row["emission"], row["program"] = world["background"], world["background_program"]
+    row["instance"] = row["prim"] = row["lamp"] = -1
+    world["background_visibility"] = visibility
+    disks = disk_row(radiance, visibility)
+    for disk in disks:
+        disk["program"], disk["emission"] = row["program"][0], row["emission"][0]
+    return [row[0], *disks]
+
+
 def disk_row(radiance, visibility):
     """The row of LIGHT of the sun's disk in the sky, if the world's radiance depends on one: a list of at most one.
 
