@@ -54,6 +54,7 @@ CLOSURE = np.dtype(
         ("kind", "i4"),  # ClosureKind
         ("layer", "i4"),  # as in LOBE
         ("multiscatter", "i4"),
+        ("facets", "i4"),  # Facets
         ("subsurface", "i4"),  # SubsurfaceKind
         ("patches", "i4"),  # rows of PATCH: fields that the program fills in
         ("patch_count", "i4"),
@@ -73,6 +74,9 @@ CLOSURE = np.dtype(
         ("subsurface_radius", "f4", (3,)),  # metres
         ("subsurface_ior", "f4"),
         ("subsurface_anisotropy", "f4"),
+        ("film_thickness", "f4"),  # nanometres
+        ("film_ior", "f4"),
+        ("thin_wall", "f4"),  # above 0.5: a pane
         ("sheen_weight", "f4"),
         ("sheen_roughness", "f4"),
         ("sheen_tint", "f4", (3,)),

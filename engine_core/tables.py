@@ -62,9 +62,10 @@ class LobeKind(IntEnum):
     VELVET = 11  # Ashikhmin's velvet: alpha_x is the roughness
     ASHIKHMIN_SHIRLEY = 12  # glossy reflection by powers of cosines, without Fresnel
     SUBSURFACE = 13  # the way in for light that is scattered below the surface: f0 is its colour, f82 its radius
+    THIN_WALL = 14  # GGX through a thin pane
 
 
-TRANSMITTING = (LobeKind.DIELECTRIC, LobeKind.REFRACTION, LobeKind.TRANSLUCENT)
+TRANSMITTING = (LobeKind.DIELECTRIC, LobeKind.REFRACTION, LobeKind.TRANSLUCENT, LobeKind.THIN_WALL)
 
 
 class Facets(IntEnum):
@@ -80,6 +81,7 @@ class FresnelKind(IntEnum):
     CONSTANT = 0  # f0 at every angle: Glossy
     F82 = 1  # f0 at 0 degrees, tinted by f82 at 82 degrees: Principled metal, Metallic (Kutz et al. 2021)
     CONDUCTOR = 2  # complex index of refraction f0 + i f82: physical Metallic
+    THIN_WALL = 3  # what a thin pane reflects, from inside as well: a part of the weight, see bsdf/thin_wall.py
 
 
 class SubsurfaceKind(IntEnum):

@@ -127,36 +127,40 @@ class Translation:
     def _bsdf_glossy(self, i):
         anisotropy, tangent = i.anisotropy()
         is_ashikhmin = i.node.distribution == "ASHIKHMIN_SHIRLEY"
-        multiscatter = not is_ashikhmin and i.is_multiscatter()
         return m.Glossy(
-            i.color("Color"), i.number("Roughness"), anisotropy, multiscatter, i.normal(), tangent, is_ashikhmin
+            i.color("Color"),
+            i.number("Roughness"),
+            anisotropy,
+            normal=i.normal(),
+            tangent=tangent,
+            is_ashikhmin=is_ashikhmin,
+            **i.distribution(),
         )
 
     def _bsdf_metallic(self, i):
-        i.taken_as({"Thin Film Thickness": 0.0})
         anisotropy, tangent = i.anisotropy()
         common = {
             "roughness": i.number("Roughness"),
             "anisotropy": anisotropy,
             "tangent": tangent,
-            "multiscatter": i.is_multiscatter(),
             "normal": i.normal(),
+            **i.distribution(),
+            **i.film(),
         }
         if i.node.fresnel_type == "PHYSICAL_CONDUCTOR":
             return m.Metallic(ior=i.color("IOR"), extinction=i.color("Extinction"), **common)
         return m.Metallic(i.color("Base Color"), i.color("Edge Tint"), **common)
 
     def _bsdf_glass(self, i):
-        i.taken_as({"Thin Film Thickness": 0.0})
-        return m.Glass(i.color("Color"), i.number("Roughness"), i.number("IOR"), i.is_multiscatter(), i.normal())
+        values = {"normal": i.normal(), **i.distribution(), **i.film()}
+        return m.Glass(i.color("Color"), i.number("Roughness"), i.number("IOR"), **values)
 
     def _bsdf_refraction(self, i):
-        i.is_multiscatter()
-        return m.Refraction(i.color("Color"), i.number("Roughness"), i.number("IOR"), i.normal())
+        is_beckmann = i.distribution()["is_beckmann"]
+        return m.Refraction(i.color("Color"), i.number("Roughness"), i.number("IOR"), i.normal(), is_beckmann)
 
     def _bsdf_principled(self, i):
         anisotropy, tangent = i.anisotropy("Anisotropic", "Anisotropic Rotation")
-        i.taken_as({"Thin Film Thickness": 0.0, "Thin Wall": False})
         return m.Principled(
             base_color=i.color("Base Color"),
             metallic=i.number("Metallic"),
@@ -179,7 +183,9 @@ class Translation:
             coat_tint=i.color("Coat Tint"),
             emission_color=i.color("Emission Color"),
             emission_strength=i.number("Emission Strength"),
-            multiscatter=i.is_multiscatter(),
+            multiscatter=i.distribution()["multiscatter"],
+            thin_wall=i.number_or("Thin Wall", 0.0),
+            **i.film(),
             normal=i.normal(),
             coat_normal=i.normal("Coat Normal"),
         )
@@ -282,11 +288,15 @@ class Inputs:
             normal = vector_input(opcodes.InputVector.NORMAL)
         return value, turned(tangent, normal, turns)
 
-    def is_multiscatter(self):
-        distribution = self.node.distribution
-        if distribution not in ("GGX", "MULTI_GGX"):
-            self.translation.warn(self.node, f"{distribution.title()} is not rendered; GGX instead")
-        return distribution == "MULTI_GGX"
+    def distribution(self):
+        name = self.node.distribution
+        return {"multiscatter": name == "MULTI_GGX", "is_beckmann": name == "BECKMANN"}
+
+    def film(self):
+        thickness = self.number_or("Thin Film Thickness", 0.0)
+        if graph.is_constant(thickness) and thickness <= 0.0:
+            return {}
+        return {"film_thickness": thickness, "film_ior": self.number("Thin Film IOR")}
 
     def subsurface_kind(self, setting):
         """The SubsurfaceKind that a menu of the node says. What Blender 4 calls random walk, 5.2 calls legacy."""
@@ -297,19 +307,3 @@ class Inputs:
         if method == "RANDOM_WALK" and "RANDOM_WALK_LEGACY" not in self.node.bl_rna.properties[setting].enum_items:
             return m.SubsurfaceKind.LEGACY
         return m.SubsurfaceKind[method.removeprefix("RANDOM_WALK_")]
-
-    def taken_as(self, neutral):
-        """Warn of inputs that are set to another value than the one that is rendered. Not every Blender has each."""
-        for name, value in neutral.items():
-            socket = by_identifier(self.node.inputs, name)
-            if socket is None:
-                continue
-            found = self.translation.values.socket(socket, self.groups, "VALUE")
-            if not graph.is_constant(found) or found != value:
-                self.translation.warn(self.node, f"{socket.name} is not rendered yet; taken as {_text(value)}")
-
-
-def _text(value):
-    if isinstance(value, tuple):
-        return f"({', '.join(f'{v:.3g}' for v in value)})"
-    return str(value) if isinstance(value, bool) else f"{value:.3g}"

@@ -55,11 +55,15 @@ def all_of(kind, distributions, **inputs):
 
 
 CASES = {
-    **all_of("Glossy", ("GGX", "MULTI_GGX")),
+    **all_of("Glossy", ("GGX", "MULTI_GGX", "BECKMANN")),
+    "Glossy Beckmann stretched": node(
+        "Glossy", {"distribution": "BECKMANN"}, Color=COLOR, Roughness=0.6, Anisotropy=0.5
+    ),
     "Glossy stretched": node("Glossy", Color=COLOR, Roughness=0.5, Anisotropy=0.6, Rotation=0.1),
     "Glossy squeezed": node("Glossy", Color=COLOR, Roughness=0.5, Anisotropy=-0.6),
-    **all_of("Glass", ("GGX", "MULTI_GGX"), IOR=1.4),
+    **all_of("Glass", ("GGX", "MULTI_GGX", "BECKMANN"), IOR=1.4),
     **all_of("Refraction", ("GGX",), IOR=1.4),
+    "Refraction BECKMANN": node("Refraction", {"distribution": "BECKMANN"}, Color=COLOR, Roughness=0.8, IOR=1.4),
     "Metallic": node("Metallic", Roughness=0.4),
     "Metallic tinted": node("Metallic", **{"Base Color": COLOR, "Edge Tint": TINT, "Roughness": 0.4}),
     "Metallic stretched": node("Metallic", Roughness=0.4, Anisotropy=0.7, Rotation=0.3),
@@ -98,6 +102,26 @@ CASES = {
     "Principled coat bent": bent(principled(Coat_Weight=1.0, Coat_Roughness=0.3), "Coat Normal"),
     "Principled sheen under a bent coat": bent(principled(Coat_Weight=0.5, Sheen_Weight=1.0), "Coat Normal"),
 }
+FILM = {"Thin Film Thickness": 420.0, "Thin Film IOR": 1.4}
+if bpy.app.version >= (5, 0):  # earlier ones have other tables for films, few of them, and no panes
+    PHYSICAL = {"fresnel_type": "PHYSICAL_CONDUCTOR"}
+    CASES |= {
+        "Metallic film": node("Metallic", **{"Base Color": COLOR, "Edge Tint": TINT, "Roughness": 0.4, **FILM}),
+        "Metallic film by index": node("Metallic", PHYSICAL, Roughness=0.4, **FILM),
+        "Glass film": node("Glass", {"distribution": "GGX"}, Roughness=0.4, **FILM),
+        "Principled film": principled(Roughness=0.4, Thin_Film_Thickness=350.0),
+        "Principled thick film": principled(Roughness=0.3, Thin_Film_Thickness=2500.0, Thin_Film_IOR=1.7),
+        "Principled metal film": principled(Metallic=1.0, Roughness=0.4, Thin_Film_Thickness=700.0),
+        "Principled glass film": principled(Transmission_Weight=1.0, Roughness=0.4, Thin_Film_Thickness=500.0),
+        "Principled film tinted": principled(Specular_Tint=TINT, Thin_Film_Thickness=300.0, IOR=2.0),
+        "Principled pane": principled(Transmission_Weight=1.0, Roughness=0.5, Thin_Wall=True),
+        "Principled pane tinted": principled(
+            Transmission_Weight=0.7, Roughness=0.6, Thin_Wall=True, Specular_Tint=TINT
+        ),
+        "Principled pane film": principled(
+            Transmission_Weight=1.0, Roughness=0.5, Thin_Wall=True, Thin_Film_Thickness=400.0
+        ),
+    }
 
 
 @pytest.fixture(scope="module")

@@ -36,6 +36,16 @@ ESTIMATED = {
     "DIELECTRIC stretched": 0.05,
     "COATING stretched": 0.08,
     "CONDUCTOR gold": 0.02,  # through the F82 curve that fits it best
+    "CONDUCTOR Beckmann": 0.12,  # a guess from what GGX loses
+    "CONDUCTOR Beckmann roughest": 0.12,
+    "CONDUCTOR Beckmann stretched": 0.12,
+    "DIELECTRIC Beckmann": 0.15,  # as if of GGX
+    "REFRACTION Beckmann": 0.1,
+    "CONDUCTOR film": 0.1,  # under a film, that of a smooth surface
+    "CONDUCTOR gold film": 0.1,
+    "DIELECTRIC film": 0.05,
+    "DIELECTRIC film from inside": 0.05,
+    "COATING film": 0.2,
     "TOON_GLOSSY": 0.5,  # as if the cone had no part below the horizon
     "TOON_GLOSSY sharp": 0.5,
     "ASHIKHMIN_SHIRLEY": 0.08,  # from sixteen samples; worst at grazing angles, where half of them are lost

@@ -8,8 +8,9 @@ import numpy as np
 from engine_core.bsdf import dispatch
 from engine_core.jit import kernel
 from engine_core.linalg.vec3 import Vec3
-from engine_core.tables import BSDF, MAX_LOBES, FresnelKind, LobeKind, SubsurfaceKind
+from engine_core.tables import BSDF, MAX_LOBES, Facets, FresnelKind, LobeKind, SubsurfaceKind
 
+FILM = {"film_thickness": 400.0, "film_ior": 1.33}
 GOLD = {"f0": (0.18, 0.42, 1.37), "f82": (3.42, 2.35, 1.77)}  # n and k at 650, 550 and 450 nm
 
 
@@ -45,6 +46,12 @@ CASES = {
         "roughest": _widths(1.0),
         "stretched": _widths(0.5, 0.1),
         "compensated": {**_widths(0.4), "multiscatter": 1},
+        "Beckmann": {**_widths(0.3), "facets": Facets.BECKMANN},
+        "Beckmann roughest": {**_widths(1.0), "facets": Facets.BECKMANN},
+        "Beckmann stretched": {**_widths(0.5, 0.1), "facets": Facets.BECKMANN},
+        "film": {**_widths(0.2), "fresnel": FresnelKind.F82, "f0": (0.9, 0.6, 0.2), "f82": (0.8, 0.9, 1.0), **FILM},
+        "gold film": {**_widths(0.2), "fresnel": FresnelKind.CONDUCTOR, **GOLD, **FILM},
+        "pane": {**_widths(0.2), "fresnel": FresnelKind.THIN_WALL, "ior": 1.5, "multiscatter": 1},
         "coloured": {**_widths(0.2), "fresnel": FresnelKind.F82, "f0": (0.9, 0.6, 0.2), "f82": (0.8, 0.9, 1.0)},
         "gold": {**_widths(0.2), "fresnel": FresnelKind.CONDUCTOR, **GOLD},
     },
@@ -58,8 +65,16 @@ CASES = {
         "compensated": {**_widths(0.5), "ior": 1.5, "multiscatter": 1},
         "tinted": {**_widths(0.2), "ior": 1.8, "reflect_tint": (0.2, 0.5, 1.0), "refract_tint": (0.9, 0.5, 0.1)},
         "index of the air": {**_widths(0.3), "ior": 1.0},
+        "Beckmann": {**_widths(0.3), "ior": 1.5, "facets": Facets.BECKMANN},
+        "film": {**_widths(0.2), "ior": 1.5, **FILM},
+        "film from inside": {**_widths(0.2), "ior": 1 / 1.5, "film_thickness": 400.0, "film_ior": 1.33 / 1.5},
+    },
+    LobeKind.THIN_WALL: {
+        "smooth": {"ior": 1.5, "multiscatter": 1},
+        "rough": {**_widths(0.3), "ior": 1.5, "multiscatter": 1, "refract_tint": (0.9, 0.6, 0.3)},
     },
     LobeKind.REFRACTION: {
+        "Beckmann": {**_widths(0.3), "ior": 1.45, "facets": Facets.BECKMANN},
         "smooth": {"ior": 1.45},
         "rough": {**_widths(0.3), "ior": 1.45},
         "rough from inside": {**_widths(0.3), "ior": 1 / 1.45},
@@ -71,6 +86,7 @@ CASES = {
         "stretched": {**_widths(0.5, 0.1), "ior": 1.5},
         "tinted": {**_widths(0.2), "ior": 1.8, "f0": (0.2, 0.5, 1.0)},
         "compensated": {**_widths(0.5), "ior": 2.5, "multiscatter": 1},
+        "film": {**_widths(0.2), "ior": 1.5, **FILM},
     },
 }
 ALL_CASES = {
@@ -81,6 +97,7 @@ WORLD = np.eye(3)
 TILTED = np.array([[math.cos(0.4), 0.0, -math.sin(0.4)], [0.0, 1.0, 0.0], [math.sin(0.4), 0.0, math.cos(0.4)]])
 # Those that scatter in single directions only
 DELTAS = ["TRANSPARENT", "CONDUCTOR mirror", "COATING smooth", "REFRACTION smooth"]
+DELTAS += ["THIN_WALL smooth"]
 DELTAS += ["DIELECTRIC smooth", "DIELECTRIC smooth from inside", "DIELECTRIC index of the air"]
 DELTAS += ["SUBSURFACE smooth", "SUBSURFACE blurred", "SUBSURFACE skin"]
 

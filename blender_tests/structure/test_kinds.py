@@ -45,13 +45,14 @@ def test_every_camera_has_its_file(kind):
 
 
 @pytest.mark.parametrize(
-    ("room", "enumeration"), [("bsdf", "LobeKind"), ("light", "LightKind"), ("camera", "CameraKind")]
+    ("dispatcher", "enumeration"),
+    [("bsdf/kinds.py", "LobeKind"), ("light/dispatch.py", "LightKind"), ("camera/dispatch.py", "CameraKind")],
 )
-def test_dispatchers_know_every_file_of_their_family(room, enumeration):
+def test_dispatchers_know_every_file_of_their_family(dispatcher, enumeration):
     """A kind may be the one that is left over after the ifs, so look at what is called, not at what is compared."""
     called = {
         node.value.id
-        for node in ast.walk(syntax(CORE / room / "dispatch.py"))
+        for node in ast.walk(syntax(CORE / dispatcher))
         if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name)
     }
 

@@ -11,8 +11,9 @@ import math
 from ..jit import kernel
 from ..linalg.vec3 import BLACK, WHITE, Vec3, lerp, load3
 from . import energy, microfacet
-from .fresnel import fresnel_coating, fresnel_coating_average, tinted
+from .fresnel import f0_of_coating, fresnel_coating, fresnel_coating_average, tinted
 from .lobe import ONE, LobeSample, LobeValue, mirror_direction, no_direction, nothing
+from .thin_film import film_over_dielectric, has_film, tinted_film
 
 
 @kernel
@@ -40,6 +41,8 @@ def albedo(lobe, wo):
     """The Fresnel curve is linear in f0, and so is its mean over the microfacets. Below an index of 1 an estimate."""
     if wo.z <= 0.0:
         return BLACK
+    if has_film(lobe):
+        return reflectance(lobe, wo.z) * energy.mirror_share(lobe, wo.z)
     mean = tinted(energy.mean_coating(lobe, wo.z), lobe.ior, load3(lobe, "f0"))
     return mean * energy.mirror_share(lobe, wo.z)
 
@@ -49,6 +52,9 @@ def albedo(lobe, wo):
 
 @kernel
 def reflectance(lobe, cos):
+    if has_film(lobe):
+        film = film_over_dielectric(cos, lobe.film_thickness, lobe.film_ior, lobe.ior)
+        return tinted_film(film, lobe.ior, f0_of_coating(lobe.ior, load3(lobe, "f0")))
     return fresnel_coating(cos, lobe.ior, load3(lobe, "f0"))
 
 

@@ -5,9 +5,9 @@ f = F D G2 / (4 |cos(wo)| |cos(wi)|), times what `energy.compensate` found that 
 """
 
 from ..jit import kernel
-from ..linalg.vec3 import BLACK, load3
+from ..linalg.vec3 import BLACK, WHITE, load3
 from ..tables import FresnelKind
-from . import energy, microfacet
+from . import energy, microfacet, thin_wall
 from .fresnel import (
     F82_COS,
     f82_b,
@@ -17,6 +17,7 @@ from .fresnel import (
     fresnel_f82_average,
 )
 from .lobe import ONE, LobeSample, LobeValue, mirror_direction, no_direction, nothing
+from .thin_film import film_over_conductor, film_over_f82, has_film
 
 
 @kernel
@@ -44,8 +45,8 @@ def albedo(lobe, wo):
     if wo.z <= 0.0:
         return BLACK
     share = energy.mirror_share(lobe, wo.z)
-    if lobe.fresnel == FresnelKind.CONSTANT:
-        return load3(lobe, "f0") * share
+    if lobe.fresnel == FresnelKind.CONSTANT or lobe.fresnel == FresnelKind.THIN_WALL or has_film(lobe):
+        return reflectance(lobe, wo.z) * share
     f0, b = as_f82(lobe)
     return energy.mean_f82(lobe, wo.z, f0, b) * share
 
@@ -55,13 +56,21 @@ def albedo(lobe, wo):
 
 @kernel
 def reflectance(lobe, cos):
-    """Fresnel term at the cosine between wo and the microfacet's normal."""
+    """Fresnel term at the cosine between wo and the microfacet's normal; under a thin film, if there is one."""
     f0 = load3(lobe, "f0")
     if lobe.fresnel == FresnelKind.CONSTANT:
         return f0
+    if lobe.fresnel == FresnelKind.THIN_WALL:
+        return WHITE
+    f82 = load3(lobe, "f82")
     if lobe.fresnel == FresnelKind.F82:
-        return fresnel_f82(cos, f0, f82_tint_b(f0, load3(lobe, "f82")))
-    return fresnel_conductor(cos, f0, load3(lobe, "f82"))
+        b = f82_tint_b(f0, f82)
+        if has_film(lobe):
+            return film_over_f82(cos, lobe.film_thickness, lobe.film_ior, f0, b)
+        return fresnel_f82(cos, f0, b)
+    if has_film(lobe):
+        return film_over_conductor(cos, lobe.film_thickness, lobe.film_ior, f0, f82)
+    return fresnel_conductor(cos, f0, f82)
 
 
 @kernel
@@ -77,6 +86,11 @@ def as_f82(lobe):
 @kernel
 def compensate(lobe, wo):
     """Set `energy_scale`; gives the colour that the further bounces add, a factor for the weight."""
+    if lobe.fresnel == FresnelKind.THIN_WALL:
+        reflected, _ = thin_wall.shares(lobe, wo.z)
+        if microfacet.is_smooth(lobe):
+            return reflected
+        return reflected * energy.compensate_reflection(lobe, wo.z, load3(lobe, "f0"))
     if lobe.fresnel == FresnelKind.CONSTANT:
         average = load3(lobe, "f0")
     else:

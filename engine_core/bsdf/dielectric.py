@@ -9,8 +9,9 @@ all of what is reflected and refracted. So f(wo, wi) = ior ** 2 f(wi, wo), the s
 from ..jit import kernel
 from ..linalg.vec3 import BLACK, WHITE, Vec3, average, dot, load3, reflect
 from . import energy, microfacet
-from .fresnel import fresnel_dielectric, tinted
+from .fresnel import f0_of_coating, fresnel_dielectric, tinted
 from .lobe import UP, ZERO, LobeSample, LobeValue, no_direction, nothing
+from .thin_film import film_over_dielectric, has_film, tinted_film
 
 
 @kernel
@@ -64,6 +65,9 @@ def albedo(lobe, wo):
         reflected, refracted, _, _ = halves(lobe, wo.z)
         return reflected + refracted
     share = energy.glass_albedo(lobe, wo.z)
+    if has_film(lobe):
+        reflected, refracted, _, _ = halves(lobe, wo.z)
+        return (reflected + refracted) * (share * lobe.energy_scale)
     mean = tinted(energy.mean_dielectric(lobe, wo.z), lobe.ior, load3(lobe, "f0")) * energy.ggx_albedo(lobe, wo.z)
     reflection = Vec3(min(mean.x, share), min(mean.y, share), min(mean.z, share))
     both = load3(lobe, "reflect_tint") * reflection + load3(lobe, "refract_tint") * (WHITE * share - reflection)
@@ -74,7 +78,11 @@ def albedo(lobe, wo):
 def halves(lobe, cos_h):
     """(colour reflected, colour refracted, probability to sample reflection, cosine of the refracted ray)."""
     real, cos_t = fresnel_dielectric(cos_h, lobe.ior)
-    reflectance = tinted(real, lobe.ior, load3(lobe, "f0"))
+    if has_film(lobe) and cos_t > 0.0:
+        film = film_over_dielectric(cos_h, lobe.film_thickness, lobe.film_ior, lobe.ior)
+        reflectance = tinted_film(film, lobe.ior, f0_of_coating(lobe.ior, load3(lobe, "f0")))
+    else:
+        reflectance = tinted(real, lobe.ior, load3(lobe, "f0"))
     reflected = load3(lobe, "reflect_tint") * reflectance
     refracted = load3(lobe, "refract_tint") * (WHITE - reflectance)
     r, t = average(reflected), average(refracted)

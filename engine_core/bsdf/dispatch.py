@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""All lobes of a point together, in directions of the world. The one place that asks for the kind of a lobe.
+"""All lobes of a point together, in directions of the world. What a lobe does by its kind is in `kinds`.
 
 `sample` chooses a lobe by its `pmf`; evaluate and pdf are those of the mixture, sum f_i and sum pmf_i pdf_i, over the
 lobes that are not deltas. So light sampling and scattering see the same BSDF, and their MIS weights add up to one.
@@ -21,24 +21,10 @@ import numpy as np
 
 from ..jit import kernel
 from ..linalg.vec3 import BLACK, WHITE, Vec3, average, dot, is_black, load3, max_component, store3
-from ..tables import LobeKind, Visibility
-from . import (
-    ashikhmin_shirley,
-    coating,
-    conductor,
-    dielectric,
-    diffuse,
-    refraction,
-    rough_diffuse,
-    sheen,
-    subsurface,
-    toon_diffuse,
-    toon_glossy,
-    translucent,
-    transparent,
-    velvet,
-)
-from .lobe import ONE, ZERO, is_matt, no_direction, nothing
+from ..tables import FresnelKind, LobeKind, Visibility
+from . import coating, conductor, dielectric, thin_wall
+from .kinds import is_delta, lobe_albedo, lobe_evaluate_and_pdf, lobe_sample
+from .lobe import ONE, ZERO, is_matt
 from .microfacet import is_smooth, passes_straight
 
 BELOW_ONE = np.float32(1.0 - 2.0**-24)
@@ -295,8 +281,10 @@ def prepare(bsdf, wo, backfacing):
 @kernel
 def _compensate(lobe, wo):
     """Set `energy_scale` of a lobe that has one; gives a factor for its weight."""
-    if lobe.kind == LobeKind.CONDUCTOR and not is_smooth(lobe):
+    if lobe.kind == LobeKind.CONDUCTOR and (lobe.fresnel == FresnelKind.THIN_WALL or not is_smooth(lobe)):
         return conductor.compensate(lobe, wo)
+    if lobe.kind == LobeKind.THIN_WALL:
+        return thin_wall.compensate(lobe, wo)
     if lobe.kind == LobeKind.COATING and not is_smooth(lobe):
         return coating.compensate(lobe, wo)
     if lobe.kind == LobeKind.DIELECTRIC and not passes_straight(lobe):
@@ -329,117 +317,3 @@ def to_local(frame, w):
 @kernel
 def to_world(frame, w):
     return load3(frame, "s") * w.x + load3(frame, "t") * w.y + load3(frame, "n") * w.z
-
-
-# ---- Lobes by kind ---------------------------------------------------------------------------------------------------
-
-
-@kernel
-def lobe_evaluate_and_pdf(lobe, wo, wi):
-    if lobe.kind == LobeKind.DIFFUSE:
-        return diffuse.evaluate_and_pdf(lobe, wo, wi)
-    if lobe.kind == LobeKind.CONDUCTOR:
-        return conductor.evaluate_and_pdf(lobe, wo, wi)
-    if lobe.kind == LobeKind.COATING:
-        return coating.evaluate_and_pdf(lobe, wo, wi)
-    if lobe.kind == LobeKind.DIELECTRIC:
-        return dielectric.evaluate_and_pdf(lobe, wo, wi)
-    if lobe.kind == LobeKind.REFRACTION:
-        return refraction.evaluate_and_pdf(lobe, wo, wi)
-    if lobe.kind == LobeKind.TRANSLUCENT:
-        return translucent.evaluate_and_pdf(lobe, wo, wi)
-    if lobe.kind == LobeKind.TRANSPARENT:
-        return transparent.evaluate_and_pdf(lobe, wo, wi)
-    if lobe.kind == LobeKind.ROUGH_DIFFUSE:
-        return rough_diffuse.evaluate_and_pdf(lobe, wo, wi)
-    if lobe.kind == LobeKind.TOON_DIFFUSE:
-        return toon_diffuse.evaluate_and_pdf(lobe, wo, wi)
-    if lobe.kind == LobeKind.TOON_GLOSSY:
-        return toon_glossy.evaluate_and_pdf(lobe, wo, wi)
-    if lobe.kind == LobeKind.SHEEN:
-        return sheen.evaluate_and_pdf(lobe, wo, wi)
-    if lobe.kind == LobeKind.VELVET:
-        return velvet.evaluate_and_pdf(lobe, wo, wi)
-    if lobe.kind == LobeKind.ASHIKHMIN_SHIRLEY:
-        return ashikhmin_shirley.evaluate_and_pdf(lobe, wo, wi)
-    if lobe.kind == LobeKind.SUBSURFACE:
-        return subsurface.evaluate_and_pdf(lobe, wo, wi)
-    return nothing()
-
-
-@kernel
-def lobe_sample(lobe, wo, u_choice, u0, u1):
-    if lobe.kind == LobeKind.DIFFUSE:
-        return diffuse.sample(lobe, wo, u_choice, u0, u1)
-    if lobe.kind == LobeKind.CONDUCTOR:
-        return conductor.sample(lobe, wo, u_choice, u0, u1)
-    if lobe.kind == LobeKind.COATING:
-        return coating.sample(lobe, wo, u_choice, u0, u1)
-    if lobe.kind == LobeKind.DIELECTRIC:
-        return dielectric.sample(lobe, wo, u_choice, u0, u1)
-    if lobe.kind == LobeKind.REFRACTION:
-        return refraction.sample(lobe, wo, u_choice, u0, u1)
-    if lobe.kind == LobeKind.TRANSLUCENT:
-        return translucent.sample(lobe, wo, u_choice, u0, u1)
-    if lobe.kind == LobeKind.TRANSPARENT:
-        return transparent.sample(lobe, wo, u_choice, u0, u1)
-    if lobe.kind == LobeKind.ROUGH_DIFFUSE:
-        return rough_diffuse.sample(lobe, wo, u_choice, u0, u1)
-    if lobe.kind == LobeKind.TOON_DIFFUSE:
-        return toon_diffuse.sample(lobe, wo, u_choice, u0, u1)
-    if lobe.kind == LobeKind.TOON_GLOSSY:
-        return toon_glossy.sample(lobe, wo, u_choice, u0, u1)
-    if lobe.kind == LobeKind.SHEEN:
-        return sheen.sample(lobe, wo, u_choice, u0, u1)
-    if lobe.kind == LobeKind.VELVET:
-        return velvet.sample(lobe, wo, u_choice, u0, u1)
-    if lobe.kind == LobeKind.ASHIKHMIN_SHIRLEY:
-        return ashikhmin_shirley.sample(lobe, wo, u_choice, u0, u1)
-    if lobe.kind == LobeKind.SUBSURFACE:
-        return subsurface.sample(lobe, wo, u_choice, u0, u1)
-    return no_direction()
-
-
-@kernel
-def lobe_albedo(lobe, wo):
-    """Without the lobe's weight."""
-    if lobe.kind == LobeKind.CONDUCTOR:
-        return conductor.albedo(lobe, wo)
-    if lobe.kind == LobeKind.COATING:
-        return coating.albedo(lobe, wo)
-    if lobe.kind == LobeKind.DIELECTRIC:
-        return dielectric.albedo(lobe, wo)
-    if lobe.kind == LobeKind.REFRACTION:
-        return refraction.albedo(lobe, wo)
-    if lobe.kind == LobeKind.DIFFUSE:
-        return diffuse.albedo(lobe, wo)
-    if lobe.kind == LobeKind.TRANSLUCENT:
-        return translucent.albedo(lobe, wo)
-    if lobe.kind == LobeKind.TRANSPARENT:
-        return transparent.albedo(lobe, wo)
-    if lobe.kind == LobeKind.ROUGH_DIFFUSE:
-        return rough_diffuse.albedo(lobe, wo)
-    if lobe.kind == LobeKind.TOON_DIFFUSE:
-        return toon_diffuse.albedo(lobe, wo)
-    if lobe.kind == LobeKind.TOON_GLOSSY:
-        return toon_glossy.albedo(lobe, wo)
-    if lobe.kind == LobeKind.SHEEN:
-        return sheen.albedo(lobe, wo)
-    if lobe.kind == LobeKind.VELVET:
-        return velvet.albedo(lobe, wo)
-    if lobe.kind == LobeKind.ASHIKHMIN_SHIRLEY:
-        return ashikhmin_shirley.albedo(lobe, wo)
-    if lobe.kind == LobeKind.SUBSURFACE:
-        return subsurface.albedo(lobe, wo)
-    return BLACK
-
-
-@kernel
-def is_delta(lobe):
-    """Whether it scatters in single directions only."""
-    kind = lobe.kind
-    if kind == LobeKind.DIELECTRIC or kind == LobeKind.REFRACTION:
-        return passes_straight(lobe)
-    if kind == LobeKind.CONDUCTOR or kind == LobeKind.COATING:
-        return is_smooth(lobe)
-    return kind == LobeKind.TRANSPARENT or kind == LobeKind.SUBSURFACE

@@ -14,6 +14,7 @@ import numpy as np
 
 from ..jit import kernel
 from ..linalg.vec3 import WHITE, lerp
+from ..tables import Facets
 from .fresnel import fresnel_dielectric
 from .lobe import ONE
 
@@ -44,8 +45,11 @@ def ggx_albedo(lobe, cos):
 
 @kernel
 def mirror_share(lobe, cos):
-    """The same with what `compensate` makes up for, which is all."""
-    return ONE if lobe.multiscatter else ggx_albedo(lobe, cos)
+    """The same with what `compensate` makes up for, which is all. Of Beckmann facets, which lose less, an estimate."""
+    if lobe.multiscatter:
+        return ONE
+    share = ggx_albedo(lobe, cos)
+    return math.sqrt(share) if lobe.facets == Facets.BECKMANN else share
 
 
 @kernel

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The GGX distribution of microfacets, its shadowing, and how to choose a normal that is seen.
+"""The GGX distribution of microfacets, its shadowing, and how to choose a normal that is seen. Beckmann's: `beckmann`.
 
 Widths alpha_x and alpha_y along the axes of the local frame. With s(w) the length of w stretched by (alpha_x, alpha_y,
 1), Smith's masking is G1(w) = 2 z / (z + s), and masking and shadowing of two directions, correlated by height
@@ -13,6 +13,8 @@ import numpy as np
 from ..jit import kernel
 from ..linalg.vec3 import Vec3, dot, normalize, reflect
 from ..sampling.warp import INV_PI, cos_sin_turn
+from ..tables import Facets
+from . import beckmann
 from .lobe import ONE, ZERO
 
 SMOOTH = np.float32(5e-7)  # alpha_x * alpha_y below which a lobe is a perfect mirror: Cycles' threshold in Blender 4.5
@@ -32,7 +34,9 @@ def passes_straight(lobe):
 
 @kernel
 def stretched_length(lobe, w):
-    """s(w): length of w after stretching it by (alpha_x, alpha_y, 1)."""
+    """s(w): length of w after stretching it by (alpha_x, alpha_y, 1); or what stands for that, see `beckmann`."""
+    if lobe.facets == Facets.BECKMANN:
+        return beckmann.masked_length(lobe, w)
     x, y = lobe.alpha_x * w.x, lobe.alpha_y * w.y
     return math.sqrt(x * x + y * y + w.z * w.z)
 
@@ -40,6 +44,8 @@ def stretched_length(lobe, w):
 @kernel
 def distribution(lobe, h):
     """D(h): area of microfacets with normal h, per solid angle and area of the surface (Walter et al. 2007, eq. 33)."""
+    if lobe.facets == Facets.BECKMANN:
+        return beckmann.distribution(lobe, h)
     both = lobe.alpha_x * lobe.alpha_y
     x, y, z = h.x * lobe.alpha_y, h.y * lobe.alpha_x, h.z * both
     r2 = x * x + y * y + z * z  # of h squeezed by the widths, times their product squared: one division in all
@@ -74,6 +80,8 @@ def _normal_of_cap(lobe, wo, so, u0, u1, bound):
 
     Dupuy and Benyoub (2023), "Sampling Visible GGX Normals with Spherical Caps".
     """
+    if lobe.facets == Facets.BECKMANN:
+        return beckmann.sample_visible_normal(lobe, wo, u0, u1)
     scale = 1.0 / so
     x, y, z = wo.x * lobe.alpha_x * scale, wo.y * lobe.alpha_y * scale, wo.z * scale
     bottom = -bound * z
@@ -90,8 +98,10 @@ def _normal_of_cap(lobe, wo, so, u0, u1, bound):
 def reflection_bound(lobe, wo):
     """k: how much of the cap below the horizon can be left out, as what it reflects cannot leave the surface.
 
-    Eto and Tokuyoshi (2023), "Bounded VNDF Sampling for Smith-GGX Reflections", equation 5.
+    Eto and Tokuyoshi (2023), "Bounded VNDF Sampling for Smith-GGX Reflections", equation 5. Of Beckmann's, all is used.
     """
+    if lobe.facets == Facets.BECKMANN:
+        return ONE
     a = min(min(lobe.alpha_x, lobe.alpha_y), 1.0)
     a2 = a * a
     s = 1.0 + math.sqrt(wo.x * wo.x + wo.y * wo.y)

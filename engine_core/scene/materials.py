@@ -16,9 +16,10 @@ import numpy as np
 from ..program_tables import CLOSURE, ClosureKind
 from ..shader import graph
 from ..shader.link import lobes_of
-from ..tables import LOBE, MAX_LOBES, LobeKind, SubsurfaceKind
+from ..tables import LOBE, MAX_LOBES, Facets, LobeKind, SubsurfaceKind
 
 WHITE = (1.0, 1.0, 1.0)
+SWITCHES = ("multiscatter", "is_beckmann")  # fields that no program can set
 
 
 @dataclass(frozen=True)
@@ -57,6 +58,7 @@ class Glossy:
     normal: object = None
     tangent: object = None
     is_ashikhmin: bool = False
+    is_beckmann: bool = False
 
 
 @dataclass(frozen=True)
@@ -97,6 +99,9 @@ class Metallic:
     multiscatter: bool = False
     normal: object = None
     tangent: object = None
+    is_beckmann: bool = False
+    film_thickness: float = 0.0  # of a thin film, nanometres
+    film_ior: float = 1.33
 
 
 @dataclass(frozen=True)
@@ -106,6 +111,9 @@ class Glass:
     ior: float = 1.5
     multiscatter: bool = False
     normal: object = None
+    is_beckmann: bool = False
+    film_thickness: float = 0.0
+    film_ior: float = 1.33
 
 
 @dataclass(frozen=True)
@@ -114,6 +122,7 @@ class Refraction:
     roughness: float = 0.0
     ior: float = 1.45
     normal: object = None
+    is_beckmann: bool = False
 
 
 @dataclass(frozen=True)
@@ -168,6 +177,9 @@ class Principled:
     multiscatter: bool = True
     normal: object = None
     coat_normal: object = None  # None: `normal`
+    film_thickness: float = 0.0
+    film_ior: float = 1.33
+    thin_wall: float = 0.0  # above 0.5: transmission is that of a pane
     tangent: object = None
 
 
@@ -231,11 +243,11 @@ class _Flattening:
         if not (graph.is_constant(weight) and weight <= 0.0):
             getattr(self, f"_{type(closure).__name__.lower()}")(closure, weight)
 
-    def _row(self, kind, weight, values, multiscatter=False, layer=0, subsurface=0):
+    def _row(self, kind, weight, values, multiscatter=False, layer=0, subsurface=0, is_beckmann=False):
         """A row of CLOSURE. `values`: by field; None where nothing is set."""
         row, varying = np.zeros(1, CLOSURE)[0], {}
         row["kind"], row["multiscatter"], row["layer"] = kind, multiscatter, layer
-        row["subsurface"] = subsurface
+        row["subsurface"], row["facets"] = subsurface, Facets.BECKMANN if is_beckmann else Facets.GGX
         for field, value in {"weight": weight, **values}.items():
             if value is None:
                 continue
@@ -247,9 +259,9 @@ class _Flattening:
 
     def _same(self, kind, c, weight, **renamed):
         """A closure whose fields have the names of CLOSURE, but for those that are renamed."""
-        names = {f.name: renamed.get(f.name, f.name) for f in fields(c) if f.name != "multiscatter"}
+        names = {f.name: renamed.get(f.name, f.name) for f in fields(c) if f.name not in SWITCHES}
         values = {field: getattr(c, name) for name, field in names.items()}
-        self._row(kind, weight, values, getattr(c, "multiscatter", False))
+        self._row(kind, weight, values, getattr(c, "multiscatter", False), is_beckmann=getattr(c, "is_beckmann", False))
 
     def _black(self, c, weight):
         pass
@@ -289,17 +301,17 @@ class _Flattening:
     def _glossy(self, c, weight):
         kind = ClosureKind.ASHIKHMIN_SHIRLEY if c.is_ashikhmin else ClosureKind.GLOSSY
         values = {name: getattr(c, name) for name in ("color", "roughness", "anisotropy", "normal", "tangent")}
-        self._row(kind, weight, values, c.multiscatter)
+        self._row(kind, weight, values, c.multiscatter, is_beckmann=c.is_beckmann)
 
     def _metallic(self, c, weight):
         values = {"roughness": c.roughness, "anisotropy": c.anisotropy, "normal": c.normal}
-        values["tangent"] = c.tangent
+        values |= {"tangent": c.tangent, "film_thickness": c.film_thickness, "film_ior": c.film_ior}
         if c.ior is not None:
             values |= {"color": c.ior, "edge_tint": c.extinction}
-            self._row(ClosureKind.CONDUCTOR, weight, values, c.multiscatter)
+            self._row(ClosureKind.CONDUCTOR, weight, values, c.multiscatter, is_beckmann=c.is_beckmann)
         else:
             values |= {"color": c.base_color, "edge_tint": c.edge_tint}
-            self._row(ClosureKind.METALLIC, weight, values, c.multiscatter)
+            self._row(ClosureKind.METALLIC, weight, values, c.multiscatter, is_beckmann=c.is_beckmann)
 
     def _glass(self, c, weight):
         self._same(ClosureKind.GLASS, c, weight)
@@ -332,7 +344,15 @@ class _Flattening:
             values[name] = getattr(c, name)
         for name in ("subsurface_weight", "subsurface_radius", "subsurface_ior", "subsurface_anisotropy"):
             values[name] = getattr(c, name)
-        for name in ("sheen_weight", "sheen_roughness", "sheen_tint", "coat_normal"):
+        for name in (
+            "sheen_weight",
+            "sheen_roughness",
+            "sheen_tint",
+            "coat_normal",
+            "film_thickness",
+            "film_ior",
+            "thin_wall",
+        ):
             values[name] = getattr(c, name)
         self._row(ClosureKind.PRINCIPLED, weight, values, c.multiscatter, self.layers, c.subsurface_kind)
 

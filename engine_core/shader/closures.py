@@ -20,6 +20,7 @@ from .maths import saturate
 
 ZERO, ONE = np.float32(0.0), np.float32(1.0)
 NEGLIGIBLE = np.float32(1e-5)  # weights below this are dropped, as Cycles does
+NO_FILM = np.float32(0.1)  # nanometres
 SMALLEST_IOR = np.float32(1e-5)
 LEAST_ENTRY_IOR, MOST_ENTRY_IOR = np.float32(1.01), np.float32(3.8)  # limits of subsurface scattering, as Cycles'
 MOST_ANISOTROPY, MOST_LEGACY_ANISOTROPY = np.float32(0.99), np.float32(0.9)
@@ -49,7 +50,7 @@ def add_closure(bsdf, c):
         i = new_lobe(bsdf, LobeKind.REFRACTION, weight * load3(c, "color"), 0)
         if i >= 0:
             lobe = bsdf.lobes[i]
-            lobe.ior = max(c.ior, SMALLEST_IOR)
+            lobe.ior, lobe.facets = max(c.ior, SMALLEST_IOR), c.facets
             set_alphas(lobe, c.roughness, ONE)
     elif kind == ClosureKind.SUBSURFACE:
         add_subsurface(bsdf, c, weight, load3(c, "color"), saturate(c.roughness), c.ior, 0)
@@ -109,7 +110,8 @@ def add_metal(bsdf, c, weight):
     store3(lobe, "f0", load3(c, "color"))
     if c.kind == ClosureKind.METALLIC or c.kind == ClosureKind.CONDUCTOR:
         store3(lobe, "f82", load3(c, "edge_tint"))
-    lobe.multiscatter = c.multiscatter
+    lobe.multiscatter, lobe.facets = c.multiscatter, c.facets
+    set_film(lobe, c)
     set_alphas(lobe, c.roughness, stretch)
 
 
@@ -152,17 +154,21 @@ def add_principled(bsdf, c, weight):
         store3(metal, "f0", Vec3(min(base.x, ONE), min(base.y, ONE), min(base.z, ONE)))
         store3(metal, "f82", tint)
         metal.multiscatter = c.multiscatter
+        set_film(metal, c)
         set_alphas(metal, c.roughness, stretch)
     weight = weight * (1.0 - metallic)
 
-    i = new_lobe(bsdf, LobeKind.DIELECTRIC, weight * transmission, c.layer)
-    if i >= 0:  # a ray passes the glass going in and coming out: each time half of the colour
-        set_glass(bsdf.lobes[i], c, WHITE, Vec3(math.sqrt(base.x), math.sqrt(base.y), math.sqrt(base.z)))
-        store3(bsdf.lobes[i], "f0", tint)
+    if c.thin_wall > 0.5:
+        add_pane(bsdf, c, weight * transmission, tint, base)
+    else:
+        i = new_lobe(bsdf, LobeKind.DIELECTRIC, weight * transmission, c.layer)
+        if i >= 0:  # a ray passes the glass going in and coming out: each time half of the colour
+            set_glass(bsdf.lobes[i], c, WHITE, Vec3(math.sqrt(base.x), math.sqrt(base.y), math.sqrt(base.z)))
+            store3(bsdf.lobes[i], "f0", tint)
     weight = weight * (1.0 - transmission)
 
     ior = specular_ior(c.ior, c.specular_level)
-    if ior != 1.0:
+    if ior != 1.0 or c.film_thickness > NO_FILM:
         i = new_lobe(bsdf, LobeKind.COATING, weight, c.layer)
         if i >= 0:
             specular = bsdf.lobes[i]
@@ -170,6 +176,7 @@ def add_principled(bsdf, c, weight):
             specular.ior = ior
             store3(specular, "f0", tint)
             specular.multiscatter = c.multiscatter
+            set_film(specular, c)
             set_alphas(specular, c.roughness, stretch)
     below = saturate(c.subsurface_weight)
     if below > NEGLIGIBLE:
@@ -224,9 +231,37 @@ def principled_stretch(anisotropy):
 def set_glass(lobe, c, reflect_tint, refract_tint):
     store3(lobe, "reflect_tint", reflect_tint)
     store3(lobe, "refract_tint", refract_tint)
-    lobe.ior = max(c.ior, SMALLEST_IOR)
+    lobe.ior, lobe.facets = max(c.ior, SMALLEST_IOR), c.facets
     lobe.multiscatter = c.multiscatter
+    set_film(lobe, c)
     set_alphas(lobe, c.roughness, ONE)
+
+
+@kernel
+def add_pane(bsdf, c, weight, tint, base):
+    """The two halves of a thin wall; two refractions widen what is transmitted (Kulla and Conty 2017, page 40)."""
+    color = Vec3(min(base.x, ONE), min(base.y, ONE), min(base.z, ONE))
+    for kind in (LobeKind.CONDUCTOR, LobeKind.THIN_WALL):
+        i = new_lobe(bsdf, kind, weight, c.layer)
+        if i >= 0:
+            lobe = bsdf.lobes[i]
+            set_glass(lobe, c, WHITE, color)
+            store3(lobe, "f0", tint)
+            lobe.fresnel, lobe.multiscatter = FresnelKind.THIN_WALL, 1
+            if kind == LobeKind.THIN_WALL:
+                bend = (
+                    3.4
+                    * max(lobe.ior - 1.0, ZERO)
+                    * (lobe.ior - 0.5)
+                    * (lobe.ior - 0.5)
+                    / (lobe.ior * lobe.ior * lobe.ior)
+                )
+                lobe.alpha_x = lobe.alpha_y = min(lobe.alpha_x * math.sqrt(bend), ONE)
+
+
+@kernel
+def set_film(lobe, c):
+    lobe.film_thickness, lobe.film_ior = c.film_thickness, max(c.film_ior, SMALLEST_IOR)
 
 
 @kernel

@@ -70,6 +70,7 @@ def mirrors(kind):
         or kind == LobeKind.TRANSLUCENT
         or kind == LobeKind.SUBSURFACE
         or kind == LobeKind.ASHIKHMIN_SHIRLEY
+        or kind == LobeKind.THIN_WALL
     )
 
 
