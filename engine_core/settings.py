@@ -47,6 +47,7 @@ class Settings(NamedTuple):
     glossy_bounces: int = 4
     transmission_bounces: int = 12
     transparent_bounces: int = 8
+    volume_bounces: int = 0
     min_bounces: int = 3  # before Russian roulette may end a path
     reflective_caustics: int = 1
     refractive_caustics: int = 1

@@ -10,6 +10,7 @@ from enum import IntEnum, IntFlag
 import numpy as np
 
 from .linalg.records import Tables
+from .medium_tables import MEDIUM, PHASE
 from .program_tables import (
     ATTRIBUTE,
     ATTRIBUTE_MAP,
@@ -130,6 +131,7 @@ class MaterialFlag(IntFlag):
     TRANSMITS = 8  # a lobe scatters light through to the other side
     SUBSURFACE = 16  # has a SUBSURFACE lobe: rays walk below its surface, so objects of it have trees of their own
     OPAQUE_SHADOW = 32  # no shadow ray passes, even if it is transparent
+    BOUNDARY = 64  # no surface: only where a medium begins
 
 
 # ---- Geometry --------------------------------------------------------------------------------------------------------
@@ -243,6 +245,7 @@ MATERIAL = np.dtype(
         ("transparency", "f4", (3,)),  # sum of the weights of its TRANSPARENT lobes
         ("flags", "i4"),  # MaterialFlag
         ("pass_index", "i4"),
+        ("medium", "i4"),  # row of MEDIUM inside; -1: none
     ]
 )
 
@@ -352,6 +355,9 @@ WORLD = np.dtype(
         ("light_root", "i4"),  # row of LIGHT_NODE
         ("only_light", "i4"),  # row of LIGHT, the first of its leaf, if there is but one to select
         ("transparent_shadows", "i4"),  # 1: some material lets shadow rays pass
+        ("has_media", "i4"),  # 1: somewhere is a medium, so paths keep account of which they are in
+        ("medium", "i4"),  # row of MEDIUM that is everywhere; -1: none
+        ("camera_in_media", "i4"),  # 1: the camera may stand in the medium of an object
         ("centre", "f4", (3,)),  # of a ball around everything
         ("radius", "f4"),
     ]
@@ -371,6 +377,8 @@ class Scene(Tables):
     poses = POSE
     materials = MATERIAL
     lobes = LOBE
+    media = MEDIUM
+    phases = PHASE
     programs = PROGRAM
     ops = OP
     closures = CLOSURE

@@ -20,6 +20,7 @@ from ..shader.point import new_point, set_surface, set_world
 from ..shape.interaction import make_interaction
 from ..tables import MaterialFlag, Visibility
 from .targets import choose
+from .vacuum import clearness
 
 FAR, ZERO, ONE = np.float32(np.inf), np.float32(0.0), np.float32(1.0)
 SCATTERED = (Visibility.DIFFUSE | Visibility.GLOSSY | Visibility.TRANSMISSION).value
@@ -37,27 +38,24 @@ class Origin(NamedTuple):
 
 
 @kernel
-def sample_direct(scene, settings, it, bsdf, wo, visibility, passed, both_sides, u_select, u0, u1):
-    """Light from one emitter, chosen at random, that the surface at `it` scatters towards `wo`.
-
-    `passed`: transparent surfaces on the path so far; their limit is one for the path and the shadow ray together.
-    """
-    row, pmf_light, _ = select(scene, it.p, it.ns, both_sides, u_select)
+def sample_direct(scene, settings, walk, it, bsdf, wo, u_select, u0, u1):
+    """Light from one emitter, chosen at random, that the surface at `it` scatters towards `wo`."""
+    row, pmf_light, _ = select(scene, it.p, it.ns, walk.both_sides != 0, u_select)
     if pmf_light <= 0.0:
         return BLACK
-    return light_of(scene, settings, it, bsdf, wo, visibility, passed, row, pmf_light, u0, u1)
+    return light_of(scene, settings, walk, it, bsdf, wo, row, pmf_light, u0, u1)
 
 
 @kernel
-def sample_delta(scene, settings, it, bsdf, wo, visibility, passed, u_select):
+def sample_delta(scene, settings, walk, it, bsdf, wo, u_select):
     """As `sample_direct`, of those lights alone that no ray hits by chance: for integrators that rely on chance."""
     world = scene.world[0]
     chosen = scene.targets[choose(scene, world.target_count, world.delta_count, u_select)]
-    return light_of(scene, settings, it, bsdf, wo, visibility, passed, chosen.light, chosen.pmf, ZERO, ZERO)
+    return light_of(scene, settings, walk, it, bsdf, wo, chosen.light, chosen.pmf, ZERO, ZERO)
 
 
 @kernel
-def light_of(scene, settings, it, bsdf, wo, visibility, passed, row, pmf_light, u0, u1):
+def light_of(scene, settings, walk, it, bsdf, wo, row, pmf_light, u0, u1):
     """Light from the row of LIGHT, which was chosen with the probability `pmf_light`."""
     light = scene.lights[row]
     s = light_dispatch.sample(scene, light, it.p, u0, u1)
@@ -74,47 +72,52 @@ def light_of(scene, settings, it, bsdf, wo, visibility, passed, row, pmf_light, 
         f = f * power_heuristic(pdf_light, pdf_bsdf)
     o = offset_ray_origin(it.p, it.ng if dot(s.wi, it.ng) > 0.0 else -it.ng)
     if s.distance == FAR:
-        f = f * shadow_transmittance(scene, o, s.wi, FAR, it.time, settings.transparent_bounces - passed)
+        f = f * shadow_transmittance(scene, settings, walk, it, o, s.wi, FAR)
     else:
         # To the very point that was sampled, moved off the emitter as `o` is off the surface: neither blocks the way.
         q = it.p + s.wi * s.distance
         n = light_dispatch.surface_normal(light, q)
         q = offset_ray_origin(q, n if dot(s.wi, n) < 0.0 else -n)
-        f = f * shadow_transmittance(scene, o, q - o, ALMOST_ONE, it.time, settings.transparent_bounces - passed)
+        f = f * shadow_transmittance(scene, settings, walk, it, o, q - o, ALMOST_ONE)
     if light.program > 0 and not is_black(f):  # after the shadow: a program costs more than a ray
-        L = light_radiance(scene, light, new_point(), it.p + s.wi * s.distance, s.wi, s.distance, visibility)
+        p = it.p + s.wi * s.distance
+        L = light_radiance(scene, light, new_point(), p, s.wi, s.distance, walk.visibility)
         return f * L * s.radiance if light.gain > 0.0 else f * L
     return f * s.radiance
 
 
 @kernel
-def shadow_transmittance(scene, o, d, t_max, time, most_surfaces):
-    """The part of light that gets from o + t_max d to `o`: 0, 1, or a colour if something transparent is between.
-
-    `d` need not be unit. More than `most_surfaces` that are transparent let nothing pass.
+def shadow_transmittance(scene, settings, walk, it, o, d, t_max):
+    """The part of light that gets from o + t_max d to `o`, beside `it`: 0, 1, or a colour if something transparent is
+    between. `d` need not be unit. The limit of transparent surfaces is one for the path and the shadow ray together.
     """
     if scene.world[0].transparent_shadows == 0:
-        return BLACK if occluded(scene, o, d, t_max, time) else WHITE
+        return BLACK if occluded(scene, o, d, t_max, walk.time) else WHITE
     transmittance = WHITE
-    for _ in range(most_surfaces + 1):
-        hit = intersect_closest(scene, o, d, t_max, Visibility.SHADOW.value, time)
+    for _ in range(settings.transparent_bounces - walk.transparent_bounces + 1):
+        hit = intersect_closest(scene, o, d, t_max, Visibility.SHADOW.value, walk.time)
         if hit.prim < 0:
             return transmittance
-        it = make_interaction(scene, hit, o, d, time)
-        material = scene.materials[it.material]
-        if material.flags & PASSABLE != MaterialFlag.TRANSPARENT.value:
+        it = make_interaction(scene, hit, o, d, walk.time)
+        transmittance = transmittance * transparency(scene, it, hit, d)
+        if is_black(transmittance):
             return BLACK
-        if material.transparency_program > 0:
-            point = new_point()
-            set_surface(scene, point, it, hit, -normalize(d), Visibility.SHADOW.value, np.float32(0.0))
-            transmittance = transmittance * run_program(scene, material.transparency_program, point)
-            if is_black(transmittance):
-                return BLACK
-        else:
-            transmittance = transmittance * load3(material, "transparency")
         o = offset_ray_origin(it.p, -it.ng)
         t_max -= hit.t
     return BLACK
+
+
+@kernel
+def transparency(scene, it, hit, d):
+    """What the surface at `it` lets pass of light against `d`."""
+    material = scene.materials[it.material]
+    if material.flags & PASSABLE != MaterialFlag.TRANSPARENT.value:
+        return BLACK
+    if material.transparency_program > 0:
+        point = new_point()
+        set_surface(scene, point, it, hit, -normalize(d), Visibility.SHADOW.value, np.float32(0.0))
+        return run_program(scene, material.transparency_program, point)
+    return load3(material, "transparency")
 
 
 @kernel
@@ -129,9 +132,9 @@ def surface_emission(scene, it, Le, d, origin, distance):
 
 
 @kernel
-def lamp_radiance(scene, o, d, t_max, origin, distance, visibility, point):
-    """Radiance of all lamps that the ray passes before `t_max`. Lamps are in nobody's way, so there may be several.
-    `point` is scratch."""
+def lamp_radiance(scene, walk, o, d, t_max, origin, distance, visibility):
+    """Radiance of all lamps that the ray passes before `t_max`. Lamps are in nobody's way, so there may be several."""
+
     L = BLACK
     t = np.float32(0.0)
     while True:
@@ -145,8 +148,8 @@ def lamp_radiance(scene, o, d, t_max, origin, distance, visibility, point):
             continue
         Le = light_dispatch.emitted(scene, light, origin.p, d, distance + t)
         if light.program > 0 and not is_black(Le):
-            Le = Le * light_radiance(scene, light, point, o + d * t, d, distance + t, visibility)
-        L = L + Le * mis_weight(scene, row, d, origin, distance + t)
+            Le = Le * light_radiance(scene, light, walk.point, o + d * t, d, distance + t, visibility)
+        L = L + Le * clearness(walk, t) * mis_weight(scene, row, d, origin, distance + t)
 
 
 @kernel

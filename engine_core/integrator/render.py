@@ -16,7 +16,7 @@ from ..linalg.vec3 import BLACK, Vec3, dot, load3, store3
 from ..motion import camera_at, new_camera, shutter_time
 from ..sampling.sobol import make_sampler, make_sequence, sample_1d, sample_2d
 from ..settings import IntegratorKind
-from . import mixture, path, uniform
+from . import media, mixture, path, uniform
 from .path import trace
 
 ZERO = np.float32(0.0)
@@ -86,8 +86,13 @@ def render_tile(scene, settings, film, x0, y0, width, height, most):
     return height
 
 
-RENDER_TILE = {
+RENDER_TILE = {  # in scenes without media
     IntegratorKind.BRUTE_FORCE: kernel(variant(render_tile, "by_brute_force", trace=uniform.trace)),
     IntegratorKind.MIXTURE: kernel(variant(render_tile, "by_mixture", trace=mixture.trace)),
     IntegratorKind.PATH: kernel(variant(render_tile, "by_path", trace=path.trace)),
+}
+RENDER_TILE_IN_MEDIA = {
+    IntegratorKind.BRUTE_FORCE: kernel(variant(render_tile, "by_brute_force_in_media", trace=media.trace_uniform)),
+    IntegratorKind.MIXTURE: kernel(variant(render_tile, "by_mixture_in_media", trace=media.trace_mixture)),
+    IntegratorKind.PATH: kernel(variant(render_tile, "by_path_in_media", trace=media.trace_path)),
 }

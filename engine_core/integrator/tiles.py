@@ -26,7 +26,7 @@ from ..film import adaptive, passes
 from ..film.noise import Noise
 from ..sampling.sobol import index_bits
 from ..settings import UNIFORM_SAMPLES, Settings
-from .render import RENDER_TILE
+from .render import RENDER_TILE, RENDER_TILE_IN_MEDIA
 
 # A tile is small enough that stopping, and sharing the last ones among the threads, takes no time,
 # and large enough that handing it out (50 us) does not matter.
@@ -275,7 +275,8 @@ class Render:
 
     def _render(self, tile):
         """A job: up to LARGEST_JOB samples for the pixels of a tile, in batches. False if cancelled before the end."""
-        render_tile = RENDER_TILE[self.settings.integrator]
+        kernels = RENDER_TILE_IN_MEDIA if self.scene.world["has_media"][0] else RENDER_TILE
+        render_tile = kernels[self.settings.integrator]
         for _ in range(0, LARGEST_JOB, LARGEST_BATCH):
             if render_tile(self.scene, self.settings, self.film, *tile, LARGEST_BATCH) < tile[3]:
                 return False

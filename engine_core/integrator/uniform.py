@@ -10,6 +10,7 @@ from ..jit import kernel
 from ..sampling.sobol import sample_2d
 from ..tables import LobeKind
 from .direct import sample_delta
+from .vacuum import is_no_surface, is_scattered, scatter_in_media
 from .walk import (
     ZERO,
     advance,
@@ -32,13 +33,19 @@ from .walk import (
 def trace(scene, settings, sampler, ray, time):
     """The PathSample that a CameraRay finds, at a time of the shutter."""
     walk, bsdf = new_walk(), new_bsdf()
-    set_out(walk, ray, time)
+    set_out(scene, walk, ray, time)
     while True:
         # ---- Where are we, and what shone on the way? ------------------------------------------------------------
         hit = advance(scene, settings, walk)
+        if is_scattered(settings, walk, sampler, hit):
+            if scatter_in_media(scene, settings, walk, sampler):
+                continue
+            break
         if hit.prim < 0:
             break
         it = arrive(scene, settings, walk, hit)
+        if is_no_surface(scene, walk, it):
+            continue
         if is_last(scene, walk, it):
             break
 
@@ -49,16 +56,14 @@ def trace(scene, settings, sampler, ray, time):
 
         # ---- Light that no ray runs into -------------------------------------------------------------------------
         if walk.ends_here == 0 and scene.world[0].delta_count > 0:
-            passed = walk.transparent_bounces
-            Ld = sample_delta(scene, settings, it, bsdf, wo, walk.visibility, passed, u_delta)
-            gather_direct(settings, walk, Ld)
+            gather_direct(settings, walk, sample_delta(scene, settings, walk, it, bsdf, wo, u_delta))
 
         # ---- Choose where to go ----------------------------------------------------------------------------------
         u0, u1 = sample_2d(sampler, dimension + 2)
         s = bsdf_dispatch.sample(bsdf, wo, u_lobe, u0, u1)
         if s.kind == LobeKind.SUBSURFACE:
             go_below(walk, sampler, it, bsdf, u_lobe)
-        if not follow(settings, walk, it, s, ZERO):
+        if not follow(scene, settings, walk, it, s, ZERO):
             break
 
         # ---- Is it worth going on? -------------------------------------------------------------------------------

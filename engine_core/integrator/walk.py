@@ -17,6 +17,7 @@ from ..jit import kernel
 from ..linalg.ray import offset_ray_origin
 from ..linalg.records import scratch_record
 from ..linalg.vec3 import BLACK, WHITE, Vec3, average, dot, is_black, load3, max_component, store3
+from ..medium_tables import MEDIA
 from ..program_tables import POINT
 from ..sampling.sobol import sample_1d
 from ..shader.evaluate import emission, fill_bsdf, has_program
@@ -25,6 +26,7 @@ from ..shape.interaction import make_interaction
 from ..tables import BSDF, CameraKind, LobeKind, MaterialFlag, Visibility
 from .direct import Origin, background_radiance, lamp_radiance, surface_emission
 from .subsurface import BELOW, prepare_walk, walk_below
+from .vacuum import clearness, go_through
 
 # Dimensions of a sample, in pairs: 0 the pixel filter, 1 the lens, 2 the time, then four for each vertex of the path:
 # two choices (which light, which lobe), a point on a light or two more choices, a direction, Russian roulette.
@@ -65,6 +67,8 @@ WALK = np.dtype(
         ("first_normal", "f4", (3,)),
         ("first_albedo", "f4", (3,)),
         ("first_hit", "i4"),
+        ("volume_bounces", "i4"),  # this and the following only in scenes that have media
+        ("media", MEDIA),  # that the ray is in
         ("point", POINT),  # the vertex, for shader programs: set if its material has any
     ]
 )
@@ -83,7 +87,7 @@ class PathSample(NamedTuple):
 
 
 @kernel
-def set_out(walk, ray, time):
+def set_out(scene, walk, ray, time):
     """Begin with a CameraRay, at a time of the shutter."""
     o, d = ray.o, ray.d
     store3(walk, "o", o)
@@ -119,14 +123,14 @@ def advance(scene, settings, walk):
     hit = intersect_closest(scene, o, d, walk.t_max, visibility, walk.time)
     walk.t = hit.t
     if scene.world[0].lamp_root >= 0:
-        L = lamp_radiance(scene, o, d, hit.t, origin, walk.distance, visibility, walk.point)
+        L = lamp_radiance(scene, walk, o, d, hit.t, origin, walk.distance, visibility)
         gather(walk, L, limit_of_found(settings, walk))
     if hit.prim < 0:
         if visibility == CAMERA and settings.transparent_background != 0:
-            walk.alpha = 1.0 - average(load3(walk, "beta"))
+            walk.alpha = 1.0 - average(load3(walk, "beta") * clearness(walk, FAR))
         else:
             L = background_radiance(scene, d, origin, visibility, walk.point)
-            gather(walk, L, limit_of_found(settings, walk))
+            gather(walk, L * clearness(walk, FAR), limit_of_found(settings, walk))
     return hit
 
 
@@ -245,7 +249,7 @@ def go_below(walk, sampler, it, bsdf, u_lobe):
 
 
 @kernel
-def follow(settings, walk, it, s, pdf):
+def follow(scene, settings, walk, it, s, pdf):
     """Let the path go on along the BsdfSample `s`; False if it ends. `pdf`: for MIS, as Origin has it."""
     if s.pdf <= 0.0:
         return False
@@ -268,6 +272,8 @@ def follow(settings, walk, it, s, pdf):
     store3(walk, "beta", beta)
     store3(walk, "o", offset_ray_origin(it.p, it.ng if dot(s.wi, it.ng) > 0.0 else -it.ng))
     store3(walk, "d", s.wi)
+    if dot(s.wi, it.ng) < 0.0:
+        go_through(scene, walk.media, it)
     return True
 
 

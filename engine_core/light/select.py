@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from ..jit import kernel
-from ..linalg.vec3 import dot, load3
+from ..linalg.vec3 import dot, is_black, load3
 from ..tables import LightKind
 from . import area, tree
 from .bounds import clusters, intensity, irradiance, is_far, pairs
@@ -27,7 +27,7 @@ EDGE = np.float32(1.001)  # beams are looked for a little beyond their edge, wha
 
 @kernel
 def select(scene, p, n, both_sides, u):
-    """Choose a light for the point `p` with the unit normal `n`.
+    """Choose a light for the point `p` with the unit normal `n`, or 0 in a medium.
 
     `both_sides`: whether light that comes from behind counts as well.
     """
@@ -102,6 +102,8 @@ def far_importance(light, p, n, both_sides):
     cosine = -dot(n, load3(light, "n"))
     if both_sides:
         cosine = abs(cosine)
+    if is_black(n):
+        cosine = ONE
     if light.kind == LightKind.SUN:
         cosine += math.sqrt(light.height * (2.0 - light.height))  # sine of the angle of its disk
     else:

@@ -2,7 +2,7 @@
 """Selection by the tree of lights (Conty Estevez and Kulla 2018): one light, by what it may bring to a point.
 
 At each node one child is chosen, in proportion to its importance, down to a leaf. `p` is the point that is lit, `n`
-its unit normal; `both_sides`: whether light from behind counts as well.
+its unit normal, or 0 in a medium, which has none; `both_sides`: whether light from behind counts as well.
 """
 
 import math
@@ -91,6 +91,7 @@ def weigh(node, p, n, both_sides, importances):
     """
     nx, ny, nz = abs(n.x), abs(n.y), abs(n.z)
     behind = ONE if both_sides else -ONE
+    least_cosine = SLACK if nx + ny + nz > 0.0 else ONE
     for k in range(LIGHT_WIDTH):
         x, y, z = node.centre[0, k] - p.x, node.centre[1, k] - p.y, node.centre[2, k] - p.z
         half_x, half_y, half_z, radius = node.half[0, k], node.half[1, k], node.half[2, k], node.radius[k]
@@ -104,7 +105,7 @@ def weigh(node, p, n, both_sides, importances):
         along = max(along, behind * -along)
         reach = nx * half_x + ny * half_y + nz * half_z
         is_seen = along + reach + margin > 0.0
-        importance = node.intensity[k] * closeness * closeness * max(usual_cosine(along, reach, inverse), SLACK)
+        importance = node.intensity[k] * closeness * closeness * max(usual_cosine(along, reach, inverse), least_cosine)
 
         # The lights: is p within theta_o + theta_e around the axis, for any point of the box?
         axis_x, axis_y, axis_z = node.axis[0, k], node.axis[1, k], node.axis[2, k]

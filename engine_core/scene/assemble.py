@@ -34,6 +34,7 @@ from ..tables import (
 from . import checks, motion, shapes, targets
 from .emitters import bake_lights
 from .lamp_programs import bake_lamps, instance_rows
+from .media import MediaTables
 from .shading import Shading
 from .targets import Aim
 from .triangles import inverse, triangle_lights, triangle_rows
@@ -76,6 +77,8 @@ class _Assembly:
         self._lamp_programs()
         self._bounds(world)
         lights = self._lights(materials, world)
+        media = MediaTables(self.builder, materials)
+        media.fill_world(world, self.placements, self.matrices, map(self._materials_of, range(len(self.placements))))
         world["transparent_shadows"] = int((materials["flags"] & MaterialFlag.TRANSPARENT).any())
         scene = Scene(
             nodes=_concatenate(self.nodes, NODE),
@@ -95,6 +98,7 @@ class _Assembly:
             camera=camera,
             world=world,
             **attributes,
+            **media.tables(),
             **shading.programs.tables(entries_needed(materials)),
         )
         return self._with_baked_light(scene)
@@ -191,6 +195,11 @@ class _Assembly:
             self._slot_rows[key] = len(self.slots)
             self.slots.extend(key)
         return self._slot_rows[key]
+
+    def _materials_of(self, number):
+        """Numbers of the materials of a placement."""
+        first = self.instances["slots"][number]
+        return self.slots[first : first + _slot_count(self.builder.geometries[self.placements[number].geometry])]
 
     def _tree(self, kind, parts):
         """Make a tree over `parts`: (geometry, number of the placement that moves it into the world, or None).

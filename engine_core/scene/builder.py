@@ -22,8 +22,9 @@ import numpy as np
 from ..shader.graph import is_constant
 from ..tables import CameraKind, LightKind, Visibility
 from . import assemble, checks, lamps, shapes
-from .materials import WHITE, Diffuse, Surface, flatten
+from .materials import WHITE, Black, Diffuse, Surface, Transparent, flatten
 from .targets import Aim
+from .volumes import Medium, medium_of
 
 IDENTITY = np.eye(4)
 
@@ -64,6 +65,8 @@ class Placement:
 class Material:
     name: str
     surface: Surface
+    medium: Medium | None  # inside
+    is_boundary: bool  # of that medium, and no surface
     one_sided: bool  # emits from the front of its faces only
     pass_index: int
     transparent_shadows: bool  # light passes where it is transparent
@@ -86,6 +89,7 @@ class SceneBuilder:
         self.materials, self.geometries, self.placements = [], [], []
         self.lights, self.lamp_shapes, self.lamp_shaders = [], [], []
         self.world_radiance, self.world_visibility = np.zeros(3), int(Visibility.ALL)
+        self.world_medium = None
         self.camera_row = self.camera_motion = None
         self.shutter_curve = None
         self.warnings = []
@@ -94,16 +98,32 @@ class SceneBuilder:
 
     # ---- Materials ----
 
-    def material(self, name, surface, pass_index=0, one_sided_emission=False, transparent_shadows=True):
-        """Add a material; `surface` is a closure of `scene.materials`. Returns its number, for `instance`."""
-        surface = flatten(surface)
+    def material(self, name, surface, pass_index=0, one_sided_emission=False, transparent_shadows=True, volume=None):
+        """Add a material. Returns its number, for `instance`.
+
+        `surface` is a closure of `scene.materials`, `volume` of `scene.volumes`: what is inside of the object, where
+        its faces' backs are. A `surface` of None is none: light goes through.
+        """
+        is_boundary = surface is None and volume is not None
+        if surface is None:
+            surface = Transparent() if is_boundary else Black()
+        surface, medium = flatten(surface), medium_of(name, volume)
         for closure, _ in surface.closures:
             for field in closure.dtype.names:
                 checks.array(name, field, np.atleast_1d(closure[field]), np.float64, None)
         if is_constant(surface.emission):
             checks.color(name, "emission", surface.emission)
-        row = Material(name, surface, bool(one_sided_emission), int(pass_index), bool(transparent_shadows))
-        self.materials.append(row)
+        self.materials.append(
+            Material(
+                name,
+                surface,
+                medium,
+                is_boundary,
+                bool(one_sided_emission),
+                int(pass_index),
+                bool(transparent_shadows),
+            )
+        )
         return len(self.materials) - 1
 
     # ---- Geometry ----
@@ -266,8 +286,12 @@ class SceneBuilder:
             self.lamp_shaders.append(shader)
         self.lights.append(light)
 
-    def background(self, radiance, visibility=Visibility.ALL):
-        """The world shines with `radiance`: (3,) the same from everywhere, or a value of `shader.graph`."""
+    def background(self, radiance, visibility=Visibility.ALL, volume=None):
+        """The world shines with `radiance`: (3,) the same from everywhere, or a value of `shader.graph`.
+
+        `volume`, a closure of `scene.volumes`, fills all space.
+        """
+        self.world_medium = medium_of("World", volume, endless=True)
         self.world_radiance = checks.color("World", "radiance", radiance) if is_constant(radiance) else radiance
         self.world_visibility = int(visibility)
 

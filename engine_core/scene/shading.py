@@ -38,7 +38,7 @@ class Shading:
 
     def _material(self, row, material, surface):
         """Fill a row of MATERIAL; returns its lobes, none if a program makes them."""
-        row["flags"] = 0
+        row["flags"] = MaterialFlag.BOUNDARY if material.is_boundary else 0
         closures = [
             (closure, {field: self.programs.constant(value) for field, value in varying.items()})
             for closure, varying in surface.closures

@@ -1,0 +1,260 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Paths through media: what `vacuum.py` says nothing to, and the integrators as they are where there are media.
+
+They are the same functions with other meanings for some names (`jit.variant`): compiled apart, when a scene that has
+media is first rendered, so all other scenes are as fast, and start as fast, as if there were no media.
+
+A path knows the media it is in (`medium.inside`). Before it gets to what its ray hit, it may be scattered; what its ray
+runs into on the way, lamps and what lies beyond everything, is gathered at any rate, dimmed by what is between. At a
+place in a medium phase functions stand for the BSDF (`phases.py`): light is sampled, MIS weighs it, as on a surface
+that faces everywhere.
+"""
+
+import numpy as np
+
+from ..accel.traverse import intersect_closest
+from ..jit import kernel, variant
+from ..linalg.ray import offset_ray_origin
+from ..linalg.records import copy_record, scratch_record
+from ..linalg.vec3 import BLACK, WHITE, Vec3, dot, is_black, length, load3, store3
+from ..medium import homogeneous, inside
+from ..medium.dispatch import gather_phases
+from ..medium_tables import MEDIA, PHASES
+from ..sampling.sobol import sample_1d, sample_2d
+from ..shape.interaction import Interaction, make_interaction
+from ..tables import MaterialFlag, Visibility
+from . import direct, mixture, path, phases, uniform, walk
+from .direct import transparency
+from .walk import CAMERA, FAR, ZERO, dimension_of, gather, gather_direct, limit_of_found, survives
+
+FLIGHTS = 1 << 16  # dimensions of a sample from here on are for how far it goes in media
+MOST_CROSSINGS = 1024  # of boundaries, before a path is given up
+MOST_PROBED = 128  # surfaces above the camera that are asked whether it is inside
+UP = Vec3(0.0, 0.0, 1.0)
+NONE = np.int32(-1)
+
+new_media, new_phases = scratch_record(MEDIA), scratch_record(PHASES)
+
+
+def in_media(function, name="in_media", **meanings):
+    """The kernel with other meanings for some names."""
+    return kernel(variant(function.py_func, name, **meanings))
+
+
+# ---- Which media are we in? ------------------------------------------------------------------------------------------
+
+
+@kernel
+def set_out(scene, path, ray, time):
+    """Begin with a CameraRay, and find out what it begins in."""
+    walk.set_out(scene, path, ray, time)
+    path.volume_bounces = 0
+    inside.nowhere(scene, path.media)
+    if scene.world[0].camera_in_media != 0:
+        look_up(scene, path.media, ray.o, time)
+
+
+@kernel
+def look_up(scene, media, o, time):
+    """Enter all media that `o` is in: those whose surface is left before it was entered, on the way up."""
+    entered = new_media()
+    entered.count = 0
+    for _ in range(MOST_PROBED):
+        hit = intersect_closest(scene, o, UP, FAR, CAMERA, time)
+        if hit.prim < 0:
+            return
+        it = make_interaction(scene, hit, o, UP, time)
+        medium = scene.materials[it.material].medium
+        if medium >= 0:
+            if not it.backfacing:
+                inside.cross(scene, entered, it.instance, medium, False)
+            elif not inside.contains(entered, it.instance, medium):
+                inside.cross(scene, media, it.instance, medium, False)
+        o = offset_ray_origin(it.p, -it.ng)
+
+
+@kernel
+def go_through(scene, media, it):
+    medium = scene.materials[it.material].medium
+    if medium >= 0:
+        inside.cross(scene, media, it.instance, medium, it.backfacing)
+
+
+@kernel
+def is_no_surface(scene, path, it):
+    if not scene.materials[it.material].flags & MaterialFlag.BOUNDARY.value:
+        return False
+    go_through(scene, path.media, it)
+    path.media.crossings += 1
+    path.distance += path.t
+    path.t_max = path.t_max - path.t if path.media.crossings < MOST_CROSSINGS else ZERO
+    store3(path, "o", offset_ray_origin(it.p, -it.ng))
+    return True
+
+
+@kernel
+def dimension_of_media(path):
+    """Boundaries have random numbers of their own, too: what comes behind them is decided anew."""
+    return dimension_of(path) + walk.DIMENSIONS_PER_VERTEX * path.media.crossings
+
+
+# ---- How far do we get? ----------------------------------------------------------------------------------------------
+
+
+@kernel
+def clearness(path, t):
+    if path.media.count == 0:
+        return WHITE
+    return homogeneous.transmittance(load3(path.media, "sigma_t"), t)
+
+
+@kernel
+def is_scattered(settings, path, sampler, hit):
+    """Gathers what media emit on the way, dims the path, and moves it to where it is scattered if it is."""
+    media = path.media
+    if media.count == 0:
+        return False
+    sigma_t, sigma_s = load3(media, "sigma_t"), load3(media, "sigma_s")
+    ends_in_nothing = hit.prim < 0
+    t = FAR if ends_in_nothing else hit.t
+    if not is_black(load3(media, "emission")):
+        L = homogeneous.emitted(load3(media, "emission"), sigma_t, t)
+        gather(path, L, limit_of_found(settings, path))
+    beta = load3(path, "beta")
+    if path.ends_here != 0 or is_black(sigma_s):
+        store3(path, "beta", beta * homogeneous.transmittance(sigma_t, t))
+        return False
+    u_event, u_t = sample_2d(sampler, FLIGHTS + dimension_of_media(path))
+    flight = homogeneous.fly(sigma_t, sigma_s, beta, t, ends_in_nothing, u_event, u_t)
+    store3(path, "beta", beta * flight.weight)
+    if not flight.scatters:
+        return False
+    store3(path, "o", load3(path, "o") + load3(path, "d") * flight.t)
+    return True
+
+
+@kernel
+def shadow_transmittance(scene, settings, path, it, o, d, t_max):
+    """As that of `direct`: what gets through media and their boundaries, too."""
+    media = new_media()
+    copy_record(media, path.media)
+    if dot(d, it.ng) < 0.0:
+        go_through(scene, media, it)
+    metres = length(d)
+    clear, passed = WHITE, 0
+    for _ in range(MOST_CROSSINGS):
+        hit = intersect_closest(scene, o, d, t_max, Visibility.SHADOW.value, path.time)
+        if media.count > 0:
+            clear = clear * homogeneous.transmittance(load3(media, "sigma_t"), hit.t * metres)
+        if hit.prim < 0:
+            return clear
+        at = make_interaction(scene, hit, o, d, path.time)
+        if not scene.materials[at.material].flags & MaterialFlag.BOUNDARY.value:
+            passed += 1
+            clear = clear * transparency(scene, at, hit, d)
+            if passed > settings.transparent_bounces - path.transparent_bounces:
+                return BLACK
+        if is_black(clear):
+            return BLACK
+        go_through(scene, media, at)
+        o = offset_ray_origin(at.p, -at.ng)
+        t_max -= hit.t
+    return BLACK
+
+
+# ---- How does a place in a medium scatter? ---------------------------------------------------------------------------
+
+
+@kernel
+def arrive_in_media(scene, path, found):
+    """The place as an Interaction that has no normal; `found` is set to its phase functions."""
+    p = load3(path, "o")
+    gather_phases(scene, path.media, load3(path, "beta"), found)
+    path.both_sides = 1
+    if path.first_hit == 0:
+        albedo = homogeneous.albedo(load3(path.media, "sigma_t"), load3(path.media, "sigma_s"))
+        store3(path, "first_p", p)
+        store3(path, "first_albedo", albedo)
+        path.first_hit = 1
+    return Interaction(p, BLACK, BLACK, NONE, NONE, NONE, False)
+
+
+@kernel
+def count_scattering(settings, path, s):
+    path.bounces += 1
+    path.volume_bounces += 1
+    path.visibility = Visibility.SCATTER.value
+    path.ends_here = path.bounces > settings.max_bounces or path.volume_bounces > settings.volume_bounces
+
+
+light_in_media = in_media(direct.light_of, "of_phases", bsdf_dispatch=phases, shadow_transmittance=shadow_transmittance)
+sample_direct_in_media = in_media(direct.sample_direct, "of_phases", light_of=light_in_media)
+sample_delta_in_media = in_media(direct.sample_delta, "of_phases", light_of=light_in_media)
+sample_mixture_in_media = in_media(mixture.sample_mixture, "of_phases", bsdf_dispatch=phases)
+follow_in_media = in_media(walk.follow, "of_phases", count_bounce=count_scattering)
+
+
+@kernel
+def scatter_by_path(scene, settings, path, sampler):
+    found = new_phases()
+    it, wo = arrive_in_media(scene, path, found), -load3(path, "d")
+    dimension = dimension_of_media(path)
+    u_select, u_phase = sample_2d(sampler, dimension)
+    if scene.world[0].light_count > 0:
+        u0, u1 = sample_2d(sampler, dimension + 1)
+        L = sample_direct_in_media(scene, settings, path, it, found, wo, u_select, u0, u1)
+        gather_direct(settings, path, L)
+    u0, u1 = sample_2d(sampler, dimension + 2)
+    s = phases.sample(found, wo, u_phase, u0, u1)
+    return follow_in_media(scene, settings, path, it, s, s.pdf) and survives(settings, path, sampler, dimension + 3)
+
+
+@kernel
+def scatter_by_mixture(scene, settings, path, sampler):
+    found = new_phases()
+    it, wo = arrive_in_media(scene, path, found), -load3(path, "d")
+    dimension = dimension_of_media(path)
+    u_delta, u_phase = sample_2d(sampler, dimension)
+    u_target = sample_1d(sampler, dimension + 1)
+    if scene.world[0].delta_count > 0:
+        gather_direct(settings, path, sample_delta_in_media(scene, settings, path, it, found, wo, u_delta))
+    u0, u1 = sample_2d(sampler, dimension + 2)
+    s = sample_mixture_in_media(scene, it.p, found, wo, u_phase, u_target, u0, u1)
+    return follow_in_media(scene, settings, path, it, s, ZERO) and survives(settings, path, sampler, dimension + 3)
+
+
+@kernel
+def scatter_uniformly(scene, settings, path, sampler):
+    found = new_phases()
+    it, wo = arrive_in_media(scene, path, found), -load3(path, "d")
+    dimension = dimension_of_media(path)
+    u_delta, u_phase = sample_2d(sampler, dimension)
+    if scene.world[0].delta_count > 0:
+        gather_direct(settings, path, sample_delta_in_media(scene, settings, path, it, found, wo, u_delta))
+    u0, u1 = sample_2d(sampler, dimension + 2)
+    s = phases.sample(found, wo, u_phase, u0, u1)
+    return follow_in_media(scene, settings, path, it, s, ZERO) and survives(settings, path, sampler, dimension + 3)
+
+
+# ---- The integrators -------------------------------------------------------------------------------------------------
+
+lamp_radiance = in_media(direct.lamp_radiance, clearness=clearness)
+light_of = in_media(direct.light_of, shadow_transmittance=shadow_transmittance)
+COMMON = {
+    "set_out": set_out,
+    "advance": in_media(walk.advance, lamp_radiance=lamp_radiance, clearness=clearness),
+    "is_scattered": is_scattered,
+    "is_no_surface": is_no_surface,
+    "dimension_of": dimension_of_media,
+    "follow": in_media(walk.follow, go_through=go_through),
+}
+sample_delta = in_media(direct.sample_delta, light_of=light_of)
+
+trace_path = in_media(
+    path.trace,
+    sample_direct=in_media(direct.sample_direct, light_of=light_of),
+    scatter_in_media=scatter_by_path,
+    **COMMON,
+)
+trace_mixture = in_media(mixture.trace, sample_delta=sample_delta, scatter_in_media=scatter_by_mixture, **COMMON)
+trace_uniform = in_media(uniform.trace, sample_delta=sample_delta, scatter_in_media=scatter_uniformly, **COMMON)

@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Tables of the media of a scene, and where they are."""
+
+import numpy as np
+
+from ..medium_tables import MAX_PHASES, MEDIUM, PHASE
+from ..shape.dispatch import bounds
+from ..tables import CameraKind
+from .shapes import Shapes
+
+
+class MediaTables:
+    """Rows of MEDIUM and PHASE; sets `medium` in the rows of MATERIAL of `builder`, and what WORLD says of media."""
+
+    def __init__(self, builder, materials):
+        self.phases, self._media, self._medium_rows = [], [], {}
+        self.builder, self.materials = builder, materials
+        materials["medium"] = [self._add(material.name, material.medium) for material in builder.materials]
+        self.world_medium = self._add("World", builder.world_medium)
+
+    def tables(self):
+        phases = np.array(self.phases, PHASE) if self.phases else np.zeros(0, PHASE)
+        return {"media": np.array(self._media, MEDIUM), "phases": phases}
+
+    def fill_world(self, world, placements, matrices, material_numbers):
+        """`material_numbers`: of each placement, the numbers of its materials."""
+        holders = [bool((self.materials["medium"][list(numbers)] >= 0).any()) for numbers in material_numbers]
+        world["medium"] = self.world_medium
+        world["has_media"] = self.world_medium >= 0 or any(holders)
+        world["camera_in_media"] = any(
+            holds and self._may_hold_camera(self.builder.geometries[placement.geometry], matrix)
+            for holds, placement, matrix in zip(holders, placements, matrices, strict=True)
+        )
+
+    def _add(self, name, medium):
+        """Row of MEDIUM."""
+        if medium is None:
+            return -1
+        row = np.zeros(1, MEDIUM)[0]
+        kept = medium.phases[:MAX_PHASES]
+        if len(medium.phases) > len(kept):
+            self.builder._warn(name, f"its volume has more than {MAX_PHASES} ways to scatter; the first are rendered")
+        row["phases"], row["phase_count"] = len(self.phases), len(kept)
+        row["sigma_s"] = sum((phase["weight"] for phase in kept), np.zeros(3, np.float32))
+        row["sigma_t"], row["emission"] = row["sigma_s"] + medium.absorption, medium.emission
+        self.phases.extend(kept)
+        self._media.append(row)
+        return len(self._media) - 1
+
+    def _may_hold_camera(self, geometry, matrix):
+        """Whether a ray of the camera may begin in the box around a geometry."""
+        camera = self.builder.camera_row[0]
+        if camera["kind"] != CameraKind.PERSPECTIVE:
+            return True
+        low, high = bounds(geometry.rows) if isinstance(geometry, Shapes) else (geometry.positions,) * 2
+        corners = np.concatenate([low, high]).astype(np.float64)
+        low, high = corners.min(axis=0), corners.max(axis=0)
+        corners = np.array([np.where(choice, high, low) for choice in np.ndindex(2, 2, 2)])
+        corners = corners @ matrix[:, :3].T + matrix[:, 3]
+        reach = 2.0 * camera["clip_start"] + camera["lens_radius"]
+        eye = camera["to_world"][:, 3]
+        return bool((corners.min(axis=0) - reach <= eye).all() and (eye <= corners.max(axis=0) + reach).all())
