@@ -97,6 +97,7 @@ class LambentSceneSettings(bpy.types.PropertyGroup):
     diffuse_bounces: bounces("Diffuse", 4, "diffuse bounces")
     glossy_bounces: bounces("Glossy", 4, "reflections")
     transmission_bounces: bounces("Transmission", 12, "refractions")
+    volume_bounces: bounces("Volume", 0, "scatterings in volumes")
     transparent_max_bounces: bounces("Transparent", 8, "transparent surfaces that a path goes straight through")
     min_bounces: IntProperty(
         name="Min Bounces",

@@ -41,6 +41,7 @@ def settings_from(b_scene, crop, overrides=None):
         diffuse_bounces=ours.diffuse_bounces,
         glossy_bounces=ours.glossy_bounces,
         transmission_bounces=ours.transmission_bounces,
+        volume_bounces=ours.volume_bounces,
         transparent_bounces=ours.transparent_max_bounces,
         min_bounces=ours.min_bounces,
         reflective_caustics=int(ours.caustics_reflective),

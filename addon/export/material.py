@@ -2,6 +2,7 @@
 """Materials of the slots of an object."""
 
 from . import nodes
+from .volumes import owned_volume
 
 
 def export_materials(context, b_object):
@@ -26,5 +27,7 @@ def _add_material(context, b_material):
     if b_material is None:
         return context.builder.material("(none)", nodes.default_surface())
     surface = nodes.material_surface(context, b_material)
-    name, number = b_material.name, b_material.pass_index
-    return context.builder.material(name, surface, number, transparent_shadows=b_material.use_transparent_shadow)
+    volume, shadows = owned_volume(context, b_material), b_material.use_transparent_shadow
+    return context.builder.material(
+        b_material.name, surface, b_material.pass_index, transparent_shadows=shadows, volume=volume
+    )

@@ -21,7 +21,7 @@ def default_surface():
 
 
 def material_surface(context, b_material):
-    """The closure of a material's surface."""
+    """The closure of a material's surface; None if it has none, only a volume."""
     if not has_nodes(b_material):
         return m.Diffuse(b_material.diffuse_color[:3])
     tree = Graph(b_material)
@@ -32,10 +32,8 @@ def material_surface(context, b_material):
     surface, volume, displacement = (output.inputs[name] for name in ("Surface", "Volume", "Displacement"))
     if source(displacement, ()).node:
         translation.warn(output, "displacement is not rendered yet; the surface stays as it is")
-    if source(volume, ()).node:
-        translation.warn(output, "volumes are not rendered yet; only the surface is")
-        if source(surface, ()).node is None:
-            return m.Transparent()
+    if source(volume, ()).node and source(surface, ()).node is None:
+        return None
     return translation.closure(surface, ())
 
 
@@ -65,7 +63,9 @@ class Translation:
 
     def __init__(self, context, owner):
         self.context, self.owner = context, owner
-        self.values = Values(context, self.warn)
+    if source(volume, ()).node and source(surface, ()).node is None:
+        return None
+    return translation.closure(surface, ())
         self.depth = self.count = 0
 
     def warn(self, node, text):
@@ -85,7 +85,7 @@ class Translation:
         translate = getattr(self, f"_{node.type.lower()}", None)
         if translate:
             self.depth += 1
-            closure = translate(Inputs(self, node, groups))
+            closure = translate(self.inputs(self, node, groups))
             self.depth -= 1
             return closure
         self.warn(node, f"{node.bl_label} is not rendered yet; black instead")

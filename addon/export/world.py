@@ -3,6 +3,7 @@
 
 from ..core import Visibility
 from . import nodes
+from .volumes import owned_volume
 
 # Cycles keeps these on the world; without Cycles they are all on
 RAYS = {
@@ -23,4 +24,4 @@ def export_world(context):
     for name, ray in RAYS.items():
         if not getattr(rays, name, True):
             visibility &= ~ray
-    context.builder.background(nodes.world_radiance(context, b_world), visibility)
+    context.builder.background(nodes.world_radiance(context, b_world), visibility, owned_volume(context, b_world))

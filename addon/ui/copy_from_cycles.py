@@ -16,6 +16,7 @@ SAME_MEANING = {
     "diffuse_bounces": "diffuse_bounces",
     "glossy_bounces": "glossy_bounces",
     "transmission_bounces": "transmission_bounces",
+    "volume_bounces": "volume_bounces",
     "transparent_max_bounces": "transparent_max_bounces",
     "sample_clamp_direct": "clamp_direct",
     "sample_clamp_indirect": "clamp_indirect",

@@ -24,8 +24,8 @@ class BouncesPanel(LambentPanel, bpy.types.Panel):
         ours = context.scene.lambent
         column = self.column(align=True)
         column.prop(ours, "max_bounces")
-        for name in ("diffuse_bounces", "glossy_bounces", "transmission_bounces", "transparent_max_bounces"):
-            column.prop(ours, name)
+        for name in ("diffuse", "glossy", "transmission", "volume", "transparent_max"):
+            column.prop(ours, f"{name}_bounces")
         column.separator()
         column.prop(ours, "min_bounces")
 

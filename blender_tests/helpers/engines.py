@@ -18,7 +18,14 @@ from .exr import read_exr
 from .small_blend import enable_cycles, save_as_exr
 
 ENGINES = ("LAMBENT", "CYCLES")
-BOUNCES = ("max_bounces", "diffuse_bounces", "glossy_bounces", "transmission_bounces", "transparent_max_bounces")
+BOUNCES = (
+    "max_bounces",
+    "diffuse_bounces",
+    "glossy_bounces",
+    "transmission_bounces",
+    "volume_bounces",
+    "transparent_max_bounces",
+)
 MOST_SAMPLES = 1 << 24  # where a time limit ends a render
 
 

@@ -17,7 +17,14 @@ from .engines import render
 
 PART = 512  # samples of one part: an interrupted reference goes on where it was, and the parts tell its own noise
 SETTINGS = (  # that change what a picture converges to
-    *("max_bounces", "diffuse_bounces", "glossy_bounces", "transmission_bounces", "transparent_max_bounces"),
+    *(
+        "max_bounces",
+        "diffuse_bounces",
+        "glossy_bounces",
+        "transmission_bounces",
+        "volume_bounces",
+        "transparent_max_bounces",
+    ),
     *("filter_type", "filter_width", "exposure", "caustics_reflective", "caustics_refractive"),
 )
 

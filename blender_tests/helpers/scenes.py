@@ -19,7 +19,9 @@ CUBE_TRIANGLES = np.array(  # seen from outside, counter-clockwise
 
 def settings(size=16, **changes):
     """Settings for a square picture of `size` pixels; bounces are unlimited unless `changes` says otherwise."""
-    bounces = dict.fromkeys(("max_bounces", "diffuse_bounces", "glossy_bounces", "transmission_bounces"), 1000)
+    bounces = dict.fromkeys(
+        ("max_bounces", "diffuse_bounces", "glossy_bounces", "transmission_bounces", "volume_bounces"), 1000
+    )
     values = {"width": size, "height": size, "crop_width": size, "crop_height": size, **bounces, **changes}
     return Settings(**values)
 

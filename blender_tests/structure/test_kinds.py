@@ -9,6 +9,7 @@ from sources import ROOT, functions, members, syntax
 CORE = ROOT / "engine_core"
 TABLES = CORE / "tables.py"
 LOBES, LIGHTS, CAMERAS = (members(TABLES, name) for name in ("LobeKind", "LightKind", "CameraKind"))
+PHASES = members(CORE / "medium_tables.py", "PhaseKind")
 
 FUNCTIONS_OF_A_LOBE = {
     "evaluate_and_pdf": ["lobe", "wo", "wi"],
@@ -44,11 +45,24 @@ def test_every_camera_has_its_file(kind):
     assert "generate_ray" in functions(CORE / "camera" / f"{kind.lower()}.py")
 
 
+@pytest.mark.parametrize("kind", PHASES)
+def test_every_phase_function_has_its_file_with_the_same_functions(kind):
+    found = functions(CORE / "medium" / f"{kind.lower()}.py")
+
+    assert found["evaluate"] == ["phase", "cosine"]
+    assert found["sample_cosine"] == ["phase", "u"]
+
+
 @pytest.mark.parametrize(
-    ("dispatcher", "enumeration"),
-    [("bsdf/kinds.py", "LobeKind"), ("light/dispatch.py", "LightKind"), ("camera/dispatch.py", "CameraKind")],
+    ("dispatcher", "kinds"),
+    [
+        ("bsdf/kinds.py", LOBES),
+        ("light/dispatch.py", LIGHTS),
+        ("camera/dispatch.py", CAMERAS),
+        ("medium/dispatch.py", PHASES),
+    ],
 )
-def test_dispatchers_know_every_file_of_their_family(dispatcher, enumeration):
+def test_dispatchers_know_every_file_of_their_family(dispatcher, kinds):
     """A kind may be the one that is left over after the ifs, so look at what is called, not at what is compared."""
     called = {
         node.value.id
@@ -56,7 +70,7 @@ def test_dispatchers_know_every_file_of_their_family(dispatcher, enumeration):
         if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name)
     }
 
-    assert {kind.lower() for kind in members(TABLES, enumeration)} <= called
+    assert {kind.lower() for kind in kinds} <= called
 
 
 def test_every_lobe_has_parameters_for_the_tests():

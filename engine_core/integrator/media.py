@@ -25,7 +25,7 @@ from ..shape.interaction import Interaction, make_interaction
 from ..tables import MaterialFlag, Visibility
 from . import direct, mixture, path, phases, uniform, walk
 from .direct import transparency
-from .walk import CAMERA, FAR, ZERO, dimension_of, gather, gather_direct, limit_of_found, survives
+from .walk import ABOVE, CAMERA, FAR, ZERO, dimension_of, gather, gather_direct, limit_of_found, survives
 
 FLIGHTS = 1 << 16  # dimensions of a sample from here on are for how far it goes in media
 MOST_CROSSINGS = 1024  # of boundaries, before a path is given up
@@ -112,7 +112,7 @@ def clearness(path, t):
 def is_scattered(settings, path, sampler, hit):
     """Gathers what media emit on the way, dims the path, and moves it to where it is scattered if it is."""
     media = path.media
-    if media.count == 0:
+    if media.count == 0 or path.side != ABOVE:
         return False
     sigma_t, sigma_s = load3(media, "sigma_t"), load3(media, "sigma_s")
     ends_in_nothing = hit.prim < 0

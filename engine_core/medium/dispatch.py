@@ -5,18 +5,15 @@ The names and arguments are those of `bsdf/dispatch.py`, so that a place in a me
 surface can: `phases` for the BSDF, wo against the direction of travel, f without a cosine.
 """
 
-import math
-
 import numpy as np
 
 from ..jit import kernel
-from ..linalg.frame import frame_from_normal, from_local
 from ..linalg.records import copy_record
 from ..linalg.vec3 import BLACK, Vec3, average, dot, load3, store3
 from ..medium_tables import MAX_PHASES, PhaseKind
-from ..sampling.warp import cos_sin_turn
 from ..tables import Visibility
 from . import draine, fournier_forand, henyey_greenstein, rayleigh
+from .phase import direction_around
 
 ZERO, ONE = np.float32(0.0), np.float32(1.0)
 BELOW_ONE = np.float32(1.0 - 2.0**-24)
@@ -109,15 +106,6 @@ def sample(phases, wo, u_phase, u0, u1):
     wi = direction_around(-wo, sample_cosine(phases.phases[chosen], u0), u1)
     f, density = evaluate_and_pdf(phases, wo, wi)
     return wi, f * (1.0 / density) if density > 0.0 else BLACK, density
-
-
-@kernel
-def direction_around(axis, cosine, u):
-    """The unit direction at that cosine from the unit `axis`, turned about it by `u` full turns."""
-    sine = math.sqrt(max(1.0 - cosine * cosine, 0.0))
-    x, y = cos_sin_turn(u)
-    s, t = frame_from_normal(axis)
-    return from_local(s, t, axis, Vec3(sine * x, sine * y, cosine))
 
 
 @kernel

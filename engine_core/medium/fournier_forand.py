@@ -5,8 +5,6 @@ In the form of Fournier and Jonasz 1999 ("Computer-based underwater imaging anal
 the singularity straight ahead can be integrated. All in double precision: near delta = 1 two small numbers are divided.
 """
 
-import math
-
 import numpy as np
 
 from ..jit import kernel

@@ -27,10 +27,16 @@ def henyey_greenstein(cos, g):
 @kernel
 def sample_henyey_greenstein(d, g, u0, u1):
     """The direction after scattering of light that travels along the unit direction `d`."""
+    return direction_around(d, sample_cosine(g, u0), u1)
+
+
+@kernel
+def sample_cosine(g, u):
+    """The cosine, with the density of `henyey_greenstein`."""
     if abs(g) < ISOTROPIC:
-        return direction_around(d, 1.0 - 2.0 * u0, u1)
-    s = (1.0 - g * g) / (1.0 - g + 2.0 * g * u0)
-    return direction_around(d, (1.0 + g * g - s * s) / (2.0 * g), u1)
+        return 1.0 - 2.0 * u
+    s = (1.0 - g * g) / (1.0 - g + 2.0 * g * u)
+    return (1.0 + g * g - s * s) / (2.0 * g)
 
 
 @kernel
