@@ -176,7 +176,7 @@ def arrive_in_media(scene, path, found):
         store3(path, "first_p", p)
         store3(path, "first_albedo", albedo)
         path.first_hit = 1
-    return Interaction(p, BLACK, BLACK, NONE, NONE, NONE, False)
+    return Interaction(p, BLACK, BLACK, NONE, NONE, NONE, False, path.time)
 
 
 @kernel

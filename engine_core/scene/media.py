@@ -28,7 +28,7 @@ class MediaTables:
         world["medium"] = self.world_medium
         world["has_media"] = self.world_medium >= 0 or any(holders)
         world["camera_in_media"] = any(
-            holds and self._may_hold_camera(self.builder.geometries[placement.geometry], matrix)
+            holds and self._may_hold_camera(placement, matrix)
             for holds, placement, matrix in zip(holders, placements, matrices, strict=True)
         )
 
@@ -47,10 +47,11 @@ class MediaTables:
         self._media.append(row)
         return len(self._media) - 1
 
-    def _may_hold_camera(self, geometry, matrix):
+    def _may_hold_camera(self, placement, matrix):
         """Whether a ray of the camera may begin in the box around a geometry."""
-        camera = self.builder.camera_row[0]
-        if camera["kind"] != CameraKind.PERSPECTIVE:
+        camera, geometry = self.builder.camera_row[0], self.builder.geometries[placement.geometry]
+        moves = placement.motion is not None or self.builder.camera_motion is not None
+        if camera["kind"] != CameraKind.PERSPECTIVE or moves:
             return True
         low, high = bounds(geometry.rows) if isinstance(geometry, Shapes) else (geometry.positions,) * 2
         corners = np.concatenate([low, high]).astype(np.float64)
