@@ -63,9 +63,7 @@ class Translation:
 
     def __init__(self, context, owner):
         self.context, self.owner = context, owner
-    if source(volume, ()).node and source(surface, ()).node is None:
-        return None
-    return translation.closure(surface, ())
+        self.values, self.inputs = Values(context, self.warn), Inputs
         self.depth = self.count = 0
 
     def warn(self, node, text):
