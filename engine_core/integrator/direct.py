@@ -134,7 +134,6 @@ def surface_emission(scene, it, Le, d, origin, distance):
 @kernel
 def lamp_radiance(scene, walk, o, d, t_max, origin, distance, visibility):
     """Radiance of all lamps that the ray passes before `t_max`. Lamps are in nobody's way, so there may be several."""
-
     L = BLACK
     t = np.float32(0.0)
     while True:

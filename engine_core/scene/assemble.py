@@ -78,7 +78,7 @@ class _Assembly:
         self._bounds(world)
         lights = self._lights(materials, world)
         media = MediaTables(self.builder, materials)
-        media.fill_world(world, self.placements, self.matrices, map(self._materials_of, range(len(self.placements))))
+        media.fill_world(world, self.placements, self.matrices)
         world["transparent_shadows"] = int((materials["flags"] & MaterialFlag.TRANSPARENT).any())
         scene = Scene(
             nodes=_concatenate(self.nodes, NODE),
@@ -195,11 +195,6 @@ class _Assembly:
             self._slot_rows[key] = len(self.slots)
             self.slots.extend(key)
         return self._slot_rows[key]
-
-    def _materials_of(self, number):
-        """Numbers of the materials of a placement."""
-        first = self.instances["slots"][number]
-        return self.slots[first : first + _slot_count(self.builder.geometries[self.placements[number].geometry])]
 
     def _tree(self, kind, parts):
         """Make a tree over `parts`: (geometry, number of the placement that moves it into the world, or None).

@@ -22,9 +22,9 @@ class MediaTables:
         phases = np.array(self.phases, PHASE) if self.phases else np.zeros(0, PHASE)
         return {"media": np.array(self._media, MEDIUM), "phases": phases}
 
-    def fill_world(self, world, placements, matrices, material_numbers):
-        """`material_numbers`: of each placement, the numbers of its materials."""
-        holders = [bool((self.materials["medium"][list(numbers)] >= 0).any()) for numbers in material_numbers]
+    def fill_world(self, world, placements, matrices):
+        """`matrices`: of the placements, float64 (n, 3, 4)."""
+        holders = [bool((self.materials["medium"][list(p.materials)] >= 0).any()) for p in placements]
         world["medium"] = self.world_medium
         world["has_media"] = self.world_medium >= 0 or any(holders)
         world["camera_in_media"] = any(
