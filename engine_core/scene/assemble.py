@@ -77,8 +77,7 @@ class _Assembly:
         self._lamp_programs()
         self._bounds(world)
         lights = self._lights(materials, world)
-        media = MediaTables(self.builder, materials)
-        media.fill_world(world, self.placements, self.matrices)
+        media = MediaTables(self.builder, materials, world, self.placements, self.matrices)
         world["transparent_shadows"] = int((materials["flags"] & MaterialFlag.TRANSPARENT).any())
         scene = Scene(
             nodes=_concatenate(self.nodes, NODE),

@@ -10,20 +10,23 @@ from .shapes import Shapes
 
 
 class MediaTables:
-    """Rows of MEDIUM and PHASE; sets `medium` in the rows of MATERIAL of `builder`, and what WORLD says of media."""
+    """Rows of MEDIUM and PHASE; sets `medium` in the rows of MATERIAL of `builder`, and what WORLD says of media.
 
-    def __init__(self, builder, materials):
+    `matrices`: of the placements, float64 (n, 3, 4).
+    """
+
+    def __init__(self, builder, materials, world, placements, matrices):
         self.phases, self._media, self._medium_rows = [], [], {}
         self.builder, self.materials = builder, materials
         materials["medium"] = [self._add(material.name, material.medium) for material in builder.materials]
         self.world_medium = self._add("World", builder.world_medium)
+        self._fill_world(world, placements, matrices)
 
     def tables(self):
         phases = np.array(self.phases, PHASE) if self.phases else np.zeros(0, PHASE)
         return {"media": np.array(self._media, MEDIUM), "phases": phases}
 
-    def fill_world(self, world, placements, matrices):
-        """`matrices`: of the placements, float64 (n, 3, 4)."""
+    def _fill_world(self, world, placements, matrices):
         holders = [bool((self.materials["medium"][list(p.materials)] >= 0).any()) for p in placements]
         world["medium"] = self.world_medium
         world["has_media"] = self.world_medium >= 0 or any(holders)
