@@ -99,7 +99,6 @@ def intersect_triangles(scene, root, o, d, t_max):
             t = lane(found.t, i)
             if t < t_max:
                 t_max, prim, b1, b2 = t, load1(packet, "prim", i), lane(found.b1, i), lane(found.b2, i)
-                prefetch(scene.triangles[prim])  # somebody may shade it
 
 
 @kernel
@@ -143,7 +142,10 @@ def intersect_instance(scene, instance, o, d, t_max):
     local_o = transform_point(instance, "to_object", o)
     local_d = transform_vector(instance, "to_object", d)  # not normalised: t stays what it is
     if instance.kind == TRIANGLES:
-        return intersect_triangles(scene, instance.root, local_o, local_d, t_max)
+        found = intersect_triangles(scene, instance.root, local_o, local_d, t_max)
+        if found.prim >= 0:  # it will be shaded, unless another instance is nearer: there is time to bring it
+            prefetch(scene.triangles[found.prim])
+        return found
     return intersect_shapes(scene, instance.root, local_o, local_d, ZERO, t_max)
 
 
