@@ -34,6 +34,8 @@ def wanted_names():
             names.add(node.layer_name or ACTIVE_COLOR)
         elif node.type == "TANGENT" or (node.type == "NORMAL_MAP" and node.space == "TANGENT"):
             names.add(TANGENT + node.uv_map)
+        elif node.type == "VECTOR_DISPLACEMENT" and node.space == "TANGENT":
+            names.add(TANGENT)
         elif node.type == "NEW_GEOMETRY" and any(o.name == "Random Per Island" and o.is_linked for o in node.outputs):
             names.add(ISLANDS)
     return names

@@ -27,7 +27,13 @@ def _add_material(context, b_material):
     if b_material is None:
         return context.builder.material("(none)", nodes.default_surface())
     surface = nodes.material_surface(context, b_material)
-    volume, shadows = owned_volume(context, b_material), b_material.use_transparent_shadow
+    displacement, keeps_normals = nodes.material_displacement(context, b_material) or (None, False)
     return context.builder.material(
-        b_material.name, surface, b_material.pass_index, transparent_shadows=shadows, volume=volume
+        b_material.name,
+        surface,
+        b_material.pass_index,
+        transparent_shadows=b_material.use_transparent_shadow,
+        volume=owned_volume(context, b_material),
+        displacement=displacement,
+        keeps_normals=keeps_normals,
     )

@@ -8,6 +8,7 @@ import bpy
 
 from ..core import ProgramTables, graph, opcodes
 from ..core import materials as m
+from .displacement import bumped_normal
 from .graph import Graph, by_identifier, has_nodes, label, source
 from .node_inputs import turned, vector_input
 from .values import Values
@@ -29,12 +30,37 @@ def material_surface(context, b_material):
     if output is None:
         return m.Black()
     translation = Translation(context, b_material.name)
-    surface, volume, displacement = (output.inputs[name] for name in ("Surface", "Volume", "Displacement"))
-    if source(displacement, ()).node:
-        translation.warn(output, "displacement is not rendered yet; the surface stays as it is")
+    surface, volume = (output.inputs[name] for name in ("Surface", "Volume"))
+    if b_material.displacement_method != "DISPLACEMENT":
+        moved = _displacement(translation, output)
+        if not graph.is_constant(moved):
+            translation.values.bump = bumped_normal(moved)
     if source(volume, ()).node and source(surface, ()).node is None:
         return None
     return translation.closure(surface, ())
+
+
+def material_displacement(context, b_material):
+    """(how far a material moves a mesh, three numbers or a value, world space; whether normals stay as they are).
+
+    None if it does not. Where the surface is bumped as well, the bumps have all of the displacement in them.
+    """
+    if not has_nodes(b_material) or b_material.displacement_method == "BUMP":
+        return None
+    tree = Graph(b_material)
+    if tree.output is None or source(tree.output.inputs["Displacement"], ()).node is None:
+        return None
+    moved = _displacement(Translation(context, b_material.name), tree.output)
+    return moved, b_material.displacement_method == "BOTH"
+
+
+def _displacement(translation, output):
+    """What comes in by the output's Displacement; zeros if nothing does."""
+    socket = output.inputs["Displacement"]
+    if source(socket, ()).node is None:
+        return (0.0, 0.0, 0.0)
+    values = Values(translation.context, translation.warn)  # apart from those of the surface, which get its normals
+    return ProgramTables().constant(values.socket(socket, (), "VECTOR"))
 
 
 def world_radiance(context, b_world):

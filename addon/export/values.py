@@ -8,7 +8,7 @@ none is told by name, and its place is taken by a stand-in.
 import math
 
 from ..core import graph, opcodes
-from . import node_inputs, node_lights, node_textures, node_values
+from . import displacement, node_inputs, node_lights, node_textures, node_values
 from .graph import by_identifier, source
 
 Op = opcodes.Op
@@ -18,6 +18,7 @@ FUNCTIONS = {
     **node_inputs.FUNCTIONS,
     **node_textures.FUNCTIONS,
     **node_lights.FUNCTIONS,
+    **displacement.FUNCTIONS,
 }
 STAND_INS = {"AMBIENT_OCCLUSION": 1.0, "WIREFRAME": 0.0}  # what unknown nodes are taken for
 
@@ -27,6 +28,7 @@ class Values:
 
     def __init__(self, context, warn):
         self.context, self.warn = context, warn
+        self.bump = None  # the normal that displacement makes, for all that have none linked
         self._known, self._depth, self._count = {}, 0, 0
 
     # ---- Inputs of a node, by identifier ----
@@ -43,9 +45,11 @@ class Values:
         return source(by_identifier(node.inputs, name), groups).node is not None
 
     def normal_or_none(self, node, groups, name="Normal"):
-        """Value of a Normal input, None if nothing is linked."""
+        """Value of a Normal input; if nothing is linked the normal of a displaced surface, or None."""
         socket = by_identifier(node.inputs, name)
-        return self.socket(socket, groups, "VECTOR") if socket and source(socket, groups).node else None
+        if socket and source(socket, groups).node:
+            return self.socket(socket, groups, "VECTOR")
+        return self.bump if name.endswith("Normal") else None
 
     def socket(self, socket, groups, kind):
         """Value of an input socket as `kind`: "VALUE" one number, "VECTOR" or "RGBA" three."""

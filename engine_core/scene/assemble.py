@@ -32,10 +32,11 @@ from ..tables import (
     Visibility,
 )
 from . import checks, motion, shapes, targets
+from .displace import add_generated, displace
 from .emitters import bake_lights
 from .lamp_programs import bake_lamps, instance_rows
 from .media import MediaTables
-from .shading import Shading
+from .shading import Shading, scatters_below
 from .targets import Aim
 from .triangles import inverse, triangle_lights, triangle_rows
 from .world import bake_world, light_rows
@@ -49,6 +50,7 @@ def assemble(builder, progress):
 class _Assembly:
     def __init__(self, builder, progress):
         self.builder, self.progress = builder, progress
+        self.geometries = list(builder.geometries)
         self.placements, self.matrices = self._regular_placements()
         self.motions = [motion.moves(p.name, p.motion) for p in self.placements]
         self.slots = []
@@ -65,12 +67,18 @@ class _Assembly:
         shading, world = self.shading, np.zeros(1, WORLD)
         materials, lobes = shading.materials(self.builder.materials)
         shading.world(world, self.builder.world_radiance)
-        attributes, self.attribute_rows = shading.attributes(self.builder.geometries)
+        add_generated(self.placements, self.geometries, shading.displacements)
+        attributes, self.attribute_rows = shading.attributes(self.geometries)
         world["attribute_count"] = len(attributes["attributes"])
         for root in ("triangle", "shape", "instance", "moving", "lamp", "target"):
             world[f"{root}_root"] = -1
         world["background_light"] = world["disk_light"] = -1
         camera, self.poses = self._poses(world)
+        self._instance_rows()
+        if shading.displacements:
+            tables = {**attributes, "materials": materials, "camera": self.builder.camera_row, "world": world}
+            rows = self.instances, self.objects, self.slots
+            displace(self.placements, self.geometries, shading, tables, *rows, self.builder._warn)
         self._place(materials, world)
         self.progress(0.9, "Lights")
         self._lamps(world)
@@ -122,7 +130,7 @@ class _Assembly:
 
         The others cannot be seen and are left out with a warning.
         """
-        placements = [p for p in self.builder.placements if _size(self.builder.geometries[p.geometry]) > 0]
+        placements = [p for p in self.builder.placements if _size(self.geometries[p.geometry]) > 0]
         matrices, regular = checks.transforms([p.name for p in placements], [p.to_world for p in placements])
         for number in np.flatnonzero(~regular):
             self.builder._warn(placements[number].name, "is scaled to 0 in some direction; left out")
@@ -132,23 +140,22 @@ class _Assembly:
         users = {}
         for number, placement in enumerate(self.placements):
             users.setdefault(placement.geometry, []).append(number)
-        self._instance_rows()
         alone = {TreeKind.TRIANGLES: [], TreeKind.SHAPES: []}
         shared = []
         for geometry, numbers in users.items():
             self._mark_emissive(geometry, numbers, materials)
             first = self.placements[numbers[0]]
-            kind = _kind(self.builder.geometries[geometry])
+            kind = _kind(self.geometries[geometry])
             alone_there = len(numbers) == 1 and self.motions[numbers[0]] is None
             in_world = alone_there and first.visibility == Visibility.ALL
-            in_world = in_world and not self._scatters_below(numbers, materials)
+            in_world = in_world and not scatters_below(materials, first.materials)  # a walk asks the object's own tree
             if in_world and (kind == TreeKind.TRIANGLES or self._keeps_shapes(numbers[0])):
                 alone[kind].append(numbers[0])
             else:
                 shared.append((geometry, numbers))
         for step, (geometry, numbers) in enumerate(shared):
-            self.progress(0.1 + 0.4 * step / len(shared), self.builder.geometries[geometry].name)
-            self.instances["root"][numbers] = self._tree(_kind(self.builder.geometries[geometry]), [(geometry, None)])
+            self.progress(0.1 + 0.4 * step / len(shared), self.geometries[geometry].name)
+            self.instances["root"][numbers] = self._tree(_kind(self.geometries[geometry]), [(geometry, None)])
         self.progress(0.5, "Tree of the world")
         for kind, field in ((TreeKind.TRIANGLES, "triangle_root"), (TreeKind.SHAPES, "shape_root")):
             if alone[kind]:
@@ -156,13 +163,8 @@ class _Assembly:
         self.objects["first_prim"] = [self.first_prims[p.geometry] for p in self.placements]
         self._instance_trees(np.array([n for _, numbers in shared for n in numbers], np.int64), world)
 
-    def _scatters_below(self, users, materials):
-        """Whether rays walk below the surface of one of them: the walk asks the object's own tree."""
-        used = {m for number in users for m in self.placements[number].materials}
-        return bool((materials["flags"][list(used)] & MaterialFlag.SUBSURFACE).any()) if used else False
-
     def _keeps_shapes(self, number):
-        rows = self.builder.geometries[self.placements[number].geometry].rows
+        rows = self.geometries[self.placements[number].geometry].rows
         return shapes.keeps_shapes(rows, self.matrices[number])
 
     def _instance_rows(self):
@@ -173,7 +175,7 @@ class _Assembly:
             rows[field] = [getattr(p, field) for p in placements]
         if not placements:
             return
-        geometries, used = self.builder.geometries, [p.geometry for p in placements]
+        geometries, used = self.geometries, [p.geometry for p in placements]
         rows["kind"] = np.array([_kind(geometry) for geometry in geometries])[used]
         counts = [_slot_count(geometry) for geometry in geometries]
         rows["slots"] = [self._slots(p.materials, counts[p.geometry]) for p in placements]
@@ -226,7 +228,7 @@ class _Assembly:
 
     def _rows(self, kind, number, placement):
         """Rows of TRIANGLE or SHAPE of a geometry, in the world's space if a placement is given."""
-        geometry = self.builder.geometries[number]
+        geometry = self.geometries[number]
         moved = placement is not None
         matrix = self.matrices[placement] if moved else np.eye(4)[:3]
         if kind == TreeKind.TRIANGLES:
@@ -290,7 +292,7 @@ class _Assembly:
 
     def _mark_emissive(self, number, users, materials):
         """Number the primitives of a geometry that emit, whatever material of its users makes them do so."""
-        geometry = self.builder.geometries[number]
+        geometry = self.geometries[number]
         emissive = (materials["flags"] & MaterialFlag.EMISSIVE) > 0
         slots = np.zeros(_size(geometry), np.int32) if _primitive_slots(geometry) is None else geometry.slots
         emits = np.zeros(_slot_count(geometry), bool)
@@ -332,7 +334,7 @@ class _Assembly:
         tables = [np.array(self.lights, LIGHT)] if self.lights else []
         count = len(self.lights)
         for number, placement in enumerate(self.placements):
-            geometry = self.builder.geometries[placement.geometry]
+            geometry = self.geometries[placement.geometry]
             if len(geometry.emitters):
                 rows = self._emitters(number, placement, geometry, materials)
                 if rows is not None:
@@ -395,10 +397,9 @@ class _Assembly:
     def _targets(self, lights, world, nodes):
         """Lights, TARGET, NODE: behind the lights what is aimed at and does not shine; all that is aimed at; its tree
         behind all others."""
-        geometries = [self.builder.geometries[placement.geometry] for placement in self.placements]
-        dark = targets.dark_lights(
-            self.placements, self.matrices, geometries, self.instances["lights"][: len(geometries)]
-        )
+        geometries = [self.geometries[placement.geometry] for placement in self.placements]
+        ranks = self.instances["lights"][: len(geometries)]
+        dark = targets.dark_lights(self.placements, self.matrices, geometries, ranks)
         lights = _concatenate([lights, *dark], LIGHT)
         rows, tree = targets.make(lights, world)
         if len(tree):

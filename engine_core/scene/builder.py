@@ -70,6 +70,8 @@ class Material:
     one_sided: bool  # emits from the front of its faces only
     pass_index: int
     transparent_shadows: bool  # light passes where it is transparent
+    displacement: object  # value: how far it moves a mesh, world space; None: not at all
+    keeps_normals: bool  # those of the mesh stay as if it were not moved
 
 
 class LampShader(NamedTuple):
@@ -98,11 +100,23 @@ class SceneBuilder:
 
     # ---- Materials ----
 
-    def material(self, name, surface, pass_index=0, one_sided_emission=False, transparent_shadows=True, volume=None):
+    def material(
+        self,
+        name,
+        surface,
+        pass_index=0,
+        one_sided_emission=False,
+        transparent_shadows=True,
+        volume=None,
+        displacement=None,
+        keeps_normals=False,
+    ):
         """Add a material. Returns its number, for `instance`.
 
         `surface` is a closure of `scene.materials`, `volume` of `scene.volumes`: what is inside of the object, where
         its faces' backs are. A `surface` of None is none: light goes through.
+        `displacement`: a vector, or a value of `shader.graph`, by which it moves vertices of a mesh in world space;
+        `keeps_normals`: shade it with the normals from before, where the surface is bumped by as much.
         """
         is_boundary = surface is None and volume is not None
         if surface is None:
@@ -122,6 +136,8 @@ class SceneBuilder:
                 bool(one_sided_emission),
                 int(pass_index),
                 bool(transparent_shadows),
+                displacement,
+                bool(keeps_normals),
             )
         )
         return len(self.materials) - 1

@@ -8,6 +8,7 @@ from ..shader import graph
 from ..shader.graph import GraphError
 from ..shader.program import ProgramTables
 from ..tables import LOBE, MATERIAL, TRANSMITTING, LobeKind, MaterialFlag
+from .displace import undisplaced
 from .materials import Diffuse, flatten, lower
 
 GREY = Diffuse((0.5, 0.5, 0.5))
@@ -19,6 +20,7 @@ class Shading:
 
     def __init__(self, warn):
         self.programs, self._warn = ProgramTables(), warn
+        self.displacements = {}  # number of a material: (row of PROGRAM, whether normals stay)
 
     # ---- Materials ----
 
@@ -26,15 +28,25 @@ class Shading:
         """Tables MATERIAL and LOBE."""
         rows, lobes, first = np.zeros(len(materials), MATERIAL), [], 0
         for row, material in zip(rows, materials, strict=True):
+            surface = material.surface if material.displacement is None else undisplaced(material.surface)
             try:
-                own = self._material(row, material, material.surface)
+                own = self._material(row, material, surface)
             except GraphError as error:
                 self._warn(material.name, f"its nodes are too much for one shader: {error}; grey instead")
                 own = self._material(row, material, flatten(GREY))
             row["lobes"], row["lobe_count"], row["pass_index"] = first, len(own), material.pass_index
             lobes.append(own)
             first += len(own)
+        self._displacements(materials)
         return rows, np.concatenate(lobes) if lobes else np.zeros(0, LOBE)
+
+    def _displacements(self, materials):
+        for number, material in enumerate(materials):
+            if material.displacement is not None:
+                try:
+                    self.displacements[number] = self.programs.add(material.displacement), material.keeps_normals
+                except GraphError as error:
+                    self._warn(material.name, f"its displacement is too much for one program: {error}; left out")
 
     def _material(self, row, material, surface):
         """Fill a row of MATERIAL; returns its lobes, none if a program makes them."""
@@ -118,6 +130,11 @@ def _with(row, values):
     for field, value in values.items():
         row[field] = value
     return row
+
+
+def scatters_below(materials, numbers):
+    """Whether rays walk below surfaces of one of these materials."""
+    return any(materials["flags"][number] & MaterialFlag.SUBSURFACE for number in numbers)
 
 
 def _scatters_below(closure, varying):

@@ -171,7 +171,19 @@ def shifted(value, shift):
     return _replace(value, moved)
 
 
+def from_attribute(value, kind, name):
+    """The same value with an input vector of that kind read from the attribute `name` instead."""
+    changed = {}
+    for at in nodes_below([value]):
+        operands = tuple(_replace(operand, changed) for operand in at.operands)
+        if at.op == Op.INPUT_VECTOR and at.mode == kind:
+            changed[at] = part(Node(Op.ATTRIBUTE, (), 0, name, at.shift), 0, 3)
+        elif any(a is not b for a, b in zip(operands, at.operands, strict=True)):
+            changed[at] = Node(at.op, operands, at.mode, at.data, at.shift)
+    return _replace(value, changed)
+
+
 def _replace(value, moved):
     if isinstance(value, Part):
-        return Part(moved[value.node], value.offset, value.width) if value.node in moved else value
+        return part(moved[value.node], value.offset, value.width) if value.node in moved else value
     return moved.get(value, value) if isinstance(value, Node) else value
