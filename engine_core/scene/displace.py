@@ -23,7 +23,7 @@ from .materials import Surface
 from .triangles import triangle_rows
 
 TRIANGLES = int(TreeKind.TRIANGLES)
-FLAT = 1e-3  # largest distance of the normals of a flat triangle from that of its face
+SAME = 1e-3  # largest distance of normals that are taken for the same
 ONE, ZERO = np.float32(1.0), np.float32(0.0)
 ALL = int(Visibility.ALL)
 GENERATED = "<generated>"  # name of an attribute: generated coordinates from before; no attribute of an artist has it
@@ -125,16 +125,18 @@ def _fill_offsets(scene, programs, triangles, offsets, done):
 def _normals(mesh, moved, changes):
     """Normals of the corners of the moved mesh, float32 (n, 3, 3), where `changes` (n,) says that they change.
 
-    Of smooth triangles, the means of the faces around a vertex; where corners of a vertex differ, at sharp edges, what
-    they have beside those means stays.
+    Of smooth triangles, the means of the faces around a vertex; if corners of a vertex differ, at sharp edges, what
+    they have beside those means stays. Triangles at such vertices with the normal of their face are flat ones.
     """
     faces, faces_after = _unit(_face_normals(mesh)), _unit(_face_normals(moved))
-    is_flat = np.abs(mesh.normals - faces[:, None]).max(axis=(1, 2)) < FLAT
-    before, after = (_vertex_normals(mesh, n)[mesh.triangles] for n in (faces, faces_after))
     first = np.zeros((len(mesh.positions), 3), np.float32)
     first[mesh.triangles] = mesh.normals
-    has_corners = np.abs(first[mesh.triangles] - mesh.normals).max() > FLAT
-    smooth = _unit(mesh.normals + after - before) if has_corners else after
+    splits = np.zeros(len(first), np.bool_)
+    splits[mesh.triangles[np.abs(first[mesh.triangles] - mesh.normals).max(axis=-1) > SAME]] = True
+    is_flat = np.abs(mesh.normals - faces[:, None]).max(axis=(1, 2)) < SAME
+    is_flat &= splits[mesh.triangles].any(axis=1)
+    before, after = (_vertex_normals(mesh, n)[mesh.triangles] for n in (faces, faces_after))
+    smooth = _unit(mesh.normals + after - before) if splits.any() else after
     normals = np.where(is_flat[:, None, None], faces_after[:, None], smooth)
     return np.where(changes[:, None, None], normals, mesh.normals).astype(np.float32)
 
