@@ -81,13 +81,17 @@ def pictures():
 
 @pytest.mark.parametrize("name", BALLS)
 def test_a_surface_is_moved_as_in_cycles(name, pictures):
-    """But for pixels at outlines and edges of shadows, which rounding decides."""
+    """But for pixels at outlines and edges of shadows, which rounding decides; and of bumps those that turn away.
+
+    Slopes of bumps are differences over a tenth of a pixel, in directions that each engine chooses.
+    """
+    is_bumped = BALLS[name][0] != "DISPLACEMENT"
     ours, theirs = pictures[name]
     lit = theirs.max(axis=-1) > 0.02
     assert 0.15 < lit.mean() < 0.8
     difference = np.abs(ours - theirs).max(axis=-1)[lit]
-    assert np.median(difference) < 0.005
-    assert np.mean(difference > 0.05) < 0.04
+    assert np.median(difference) < (0.006 if is_bumped else 0.002)
+    assert np.mean(difference > 0.05) < (0.08 if is_bumped else 0.04)
 
 
 def test_balls_differ(pictures):
