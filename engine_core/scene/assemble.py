@@ -75,17 +75,16 @@ class _Assembly:
         world["background_light"] = world["disk_light"] = -1
         camera, self.poses = self._poses(world)
         self._instance_rows()
-        if shading.displacements:
-            tables = {**attributes, "materials": materials, "camera": self.builder.camera_row, "world": world}
-            rows = self.instances, self.objects, self.slots
-            displace(self.placements, self.geometries, shading, tables, *rows, self.builder._warn)
+        tables = {**attributes, "materials": materials, "camera": self.builder.camera_row, "world": world}
+        rows = self.instances, self.objects, self.slots, self.builder._warn
+        displace(self.placements, self.geometries, shading, tables, *rows)
         self._place(materials, world)
         self.progress(0.9, "Lights")
         self._lamps(world)
         self._lamp_programs()
         self._bounds(world)
         lights = self._lights(materials, world)
-        media = MediaTables(self.builder, materials, world, self.placements, self.matrices)
+        media = MediaTables(self.builder, self.geometries, materials, world, self.placements, self.matrices)
         world["transparent_shadows"] = int((materials["flags"] & MaterialFlag.TRANSPARENT).any())
         scene = Scene(
             nodes=_concatenate(self.nodes, NODE),

@@ -63,6 +63,8 @@ def displace(placements, geometries, shading, tables, instances, objects, slots,
     instances, objects, slots : rows of INSTANCE and OBJECT, one a placement, and numbers of materials by slot
     warn : function of an object's name and a text
     """
+    if not shading.displacements:
+        return
     made, displacements = {}, shading.displacements
     tables = {**tables, **shading.programs.tables()}
     for number, placement in enumerate(placements):

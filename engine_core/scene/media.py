@@ -15,9 +15,9 @@ class MediaTables:
     `matrices`: of the placements, float64 (n, 3, 4).
     """
 
-    def __init__(self, builder, materials, world, placements, matrices):
+    def __init__(self, builder, geometries, materials, world, placements, matrices):
         self.phases, self._media, self._medium_rows = [], [], {}
-        self.builder, self.materials = builder, materials
+        self.builder, self.geometries, self.materials = builder, geometries, materials
         materials["medium"] = [self._add(material.name, material.medium) for material in builder.materials]
         self.world_medium = self._add("World", builder.world_medium)
         self._fill_world(world, placements, matrices)
@@ -52,7 +52,7 @@ class MediaTables:
 
     def _may_hold_camera(self, placement, matrix):
         """Whether a ray of the camera may begin in the box around a geometry."""
-        camera, geometry = self.builder.camera_row[0], self.builder.geometries[placement.geometry]
+        camera, geometry = self.builder.camera_row[0], self.geometries[placement.geometry]
         moves = placement.motion is not None or self.builder.camera_motion is not None
         if camera["kind"] != CameraKind.PERSPECTIVE or moves:
             return True
