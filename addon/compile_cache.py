@@ -19,6 +19,7 @@ START_AFTER_S = 1.0  # let Blender draw its window first
 JOIN_S = 0.3  # how long Blender may be kept from closing
 POLL_S = 0.02  # how long somebody who waits may not notice that nobody wants the kernels any more
 
+IDENTITY = [(1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1)]
 DEFAULT = 2  # engine_core's IntegratorKind.PATH
 _lock, _ready = threading.Lock(), set()  # of numbers of integrators
 _warm_up = None
@@ -51,16 +52,29 @@ def _mark(integrator=DEFAULT):
 
 
 def _use_all_kernels(integrator):
-    """Render a tiny scene: a triangle, a ball and a lamp, twice, so that there is one of each kind of tree."""
+    """Render a tiny scene: a triangle, a ball and a lamp, twice, so that there is one of each kind of tree.
+
+    The first time with shader programs wherever there can be any, and all that programs may be made of.
+    """
     from . import core
 
     builder = core.SceneBuilder()
+    with_programs = not are_compiled(integrator)
     grey = builder.material("Grey", core.materials.Diffuse((0.5, 0.5, 0.5)))
+    shader = None
+    if with_programs:
+        core.compile_all_programs()
+        value = core.graph.node(core.opcodes.Op.INPUT_VECTOR, mode=core.opcodes.InputVector.OBJECT)
+        shader = core.LampShader(value, IDENTITY)
+        grey = builder.material(
+            "Coloured", core.materials.Add(core.materials.Diffuse(value), core.materials.Emission(value))
+        )
+        builder.background(value)
     triangle = builder.mesh("Triangle", [(-1, -1, 0), (1, -1, 0), (0, 1, 0)], [(0, 1, 2)])
     ball = builder.spheres("Ball", [(0, 0, 1)], [0.5])
     for geometry in (triangle, triangle, ball):
         builder.instance(geometry, materials=[grey])
-    builder.point_light("Lamp", (0, 0, 3), (100, 100, 100), radius=0.1)
+    builder.point_light("Lamp", (0, 0, 3), (100, 100, 100), radius=0.1, shader=shader)
     builder.camera([(1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 5), (0, 0, 0, 1)], (-1, 1, -1, 1))
     settings = core.Settings(width=8, height=8, crop_width=8, crop_height=8, samples=1, integrator=integrator)
     core.Render(builder.build(), settings, threads=1).run()

@@ -34,7 +34,8 @@ FilterKind, IntegratorKind, SamplerKind, Settings = (
 )
 status = _import("integrator.status")
 Scene, Visibility = (getattr(_import("tables"), name) for name in ("Scene", "Visibility"))
-SceneBuilder, LampShader = _import("scene.builder").SceneBuilder, _import("scene.builder").LampShader
+SceneBuilder, LampShader = (getattr(_import("scene.builder"), name) for name in ("SceneBuilder", "LampShader"))
 SceneError = _import("scene.checks").SceneError
+compile_all_programs = _import("shader.link").compile_all
 Aim = _import("scene.targets").Aim
 Render = _import("integrator.tiles").Render

@@ -176,9 +176,7 @@ def _tangent(values, node, output, groups):
         tangent = attribute(attributes.TANGENT + node.uv_map)
         mode = 18 + opcodes.Space.OBJECT * 3 + opcodes.Space.WORLD
         return graph.node(Op.CHANGE_SPACE, tangent, mode=mode)
-    if node.axis != "Z":
-        values.warn(node, f"radial tangents about {node.axis} are not rendered yet; using those about Z")
-    return vector_input(InputVector.RADIAL_TANGENT)
+    return vector_input(InputVector["RADIAL_TANGENT" if node.axis == "Z" else f"RADIAL_TANGENT_{node.axis}"])
 
 
 def _fresnel(values, node, output, groups):

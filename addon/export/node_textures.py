@@ -6,13 +6,36 @@ from .images import export_image
 from .node_inputs import vector_input
 
 Op, InputVector = opcodes.Op, opcodes.InputVector
+ZERO3 = (0.0, 0.0, 0.0)
+UNMOVED = (ZERO3, ZERO3, (1.0, 1.0, 1.0))
 
 
 def _vector(values, node, groups, default):
-    """The Vector input; where nothing is linked, what Blender takes for this texture."""
+    """The Vector input; where nothing is linked, what Blender takes for this texture. Old files and scripts may have
+    moved it by a mapping of the node's own, which has no button any more."""
     if values.is_linked(node, groups, "Vector"):
-        return values.vector(node, groups, "Vector")
-    return vector_input(default)
+        vector = values.vector(node, groups, "Vector")
+    else:
+        vector = vector_input(default)
+    return _mapped(vector, node.texture_mapping)
+
+
+def _mapped(vector, mapping):
+    """A vector moved by a TexMapping: axes exchanged or left out, then as the Mapping node does it, then clamped."""
+    axes = tuple(getattr(mapping, f"mapping_{axis}") for axis in "xyz")
+    if axes != ("X", "Y", "Z"):
+        parts = [0.0 if axis == "NONE" else graph.part(vector, "XYZ".index(axis)) for axis in axes]
+        vector = graph.node(Op.COMBINE, *parts)
+    own = (tuple(mapping.translation), tuple(mapping.rotation), tuple(mapping.scale))
+    if own != UNMOVED:
+        vector = graph.node(Op.MAPPING, vector, *own, mode=opcodes.Mapping[mapping.vector_type])
+    for used, limit, operation in (
+        (mapping.use_min, mapping.min, opcodes.VectorMath.MAXIMUM),
+        (mapping.use_max, mapping.max, opcodes.VectorMath.MINIMUM),
+    ):
+        if used:
+            vector = graph.part(graph.node(Op.VECTOR_MATH, vector, tuple(limit), ZERO3, 0.0, mode=operation), 0, 3)
+    return vector
 
 
 def _alpha_or_color(values, node, output, groups, result):

@@ -109,6 +109,7 @@ CASES = {
     "smooth falloff": (POINT, falloff("Quadratic", 2.0)),
     "smooth linear falloff": (SPOT, falloff("Linear", 1.0)),
     "IES": (POINT | {"energy": 0.3}, luminaire),
+    "IES, turned": (SPOT | TURNED | {"energy": 0.3}, luminaire),
     "IES of a file": (POINT | {"energy": 0.3}, luminaire_of_a_file),
     "blackbody": (POINT, blackbody),
     "object info": (POINT, about_the_object),

@@ -76,6 +76,19 @@ for name, output in (("Paint", "Color"), ("Paint", "Alpha"), ("Paint", "Fac"), (
     case(f"Attribute {name} {output}")(
         lambda tree, n=name, o=output: add(tree, "Attribute", attribute_name=n).outputs[o]
     )
+for axis in "XYZ":
+    case(f"Tangent about {axis}")(lambda tree, axis=axis: add(tree, "Tangent", axis=axis).outputs[0])
+for kind in ("POINT", "TEXTURE", "VECTOR", "NORMAL"):
+
+    @case(f"Mapping of a texture {kind}")
+    def _mapping_of_a_texture(tree, kind=kind):
+        node = add(tree, "TexGradient", {0: position(tree, 0.3)})
+        mapping = node.texture_mapping
+        mapping.vector_type, mapping.mapping_x, mapping.mapping_y = kind, "Y", "Z"
+        mapping.translation, mapping.rotation, mapping.scale = (0.5, 0.1, 0.2), (0.1, 0.2, 0.3), (0.7, 1.5, 1.2)
+        return node.outputs["Fac"]
+
+
 case("UV Map")(lambda tree: add(tree, "UVMap", uv_map="Second").outputs[0])
 case("UV Map none")(lambda tree: add(tree, "UVMap").outputs[0])
 case("Color Attribute")(lambda tree: add(tree, "VertexColor", layer_name="Paint").outputs[0])

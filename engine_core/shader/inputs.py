@@ -140,7 +140,13 @@ def object_vector(scene, point, mode, p):
     p = p * load3(told, "texture_scale") + load3(told, "texture_offset")
     if mode == InputVector.GENERATED:
         return p
-    around = transform_normal(instance, "to_object", Vec3(0.5 - p.y, p.x - 0.5, 0.0))  # RADIAL_TANGENT
+    if mode == InputVector.RADIAL_TANGENT_X:
+        around = Vec3(0.0, 0.5 - p.z, p.y - 0.5)
+    elif mode == InputVector.RADIAL_TANGENT_Y:
+        around = Vec3(0.5 - p.z, 0.0, p.x - 0.5)
+    else:
+        around = Vec3(0.5 - p.y, p.x - 0.5, 0.0)
+    around = transform_normal(instance, "to_object", around)
     n = load3(point, "ns")
     return cross(n, safe_normalize(cross(around, n)))
 

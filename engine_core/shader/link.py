@@ -52,6 +52,12 @@ def address(entry):
         return _entries[entry].address
 
 
+def compile_all():
+    """Have machine code of all entry points, so that no scene has to wait for it."""
+    for entry in (*FAMILIES, *MACHINE, *_others):
+        address(entry)
+
+
 def kernels(families, has_programs, others=()):
     """The table KERNEL for a scene whose programs use these families, and which needs those others."""
     table = np.zeros(len(Entry), KERNEL)

@@ -106,6 +106,8 @@ class InputVector(IntEnum):
     OBJECT_LOCATION = 12
     OBJECT_COLOR = 13
     RADIAL_TANGENT = 14
+    RADIAL_TANGENT_X = 15
+    RADIAL_TANGENT_Y = 16
 
 
 class InputNumber(IntEnum):

@@ -14,7 +14,7 @@ from ..linalg.vec3 import dot
 from .image import component
 
 PI, TWO_PI = np.float32(math.pi), np.float32(2.0 * math.pi)
-SMALL = np.float32(1e-7)
+SMALL = np.float32(1e-5)  # radians
 ZERO = np.float32(0.0)
 
 
@@ -43,7 +43,7 @@ def intensity(scene, image, d):
     a, b = angle_of_column(scene, image, column), angle_of_column(scene, image, column + 1)
     s = (vertical - a) / (b - a)
     goes_around = first < SMALL and last > TWO_PI - SMALL
-    before = row - 1 if row > 0 else (rows - 2 if goes_around else -1)
+    before = row - 1 if row > 0 else (rows - 1 if goes_around else -1)  # not the one before: so it is in Cycles
     after = row + 2 if row + 2 < rows else (1 if goes_around else -1)
     value = cubic(
         along_row(scene, image, before, column, s),
