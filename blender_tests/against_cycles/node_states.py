@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Writes docs/nodes.md: what becomes of every shader node that Blender has.
+
+    python -m blender_tests.against_cycles.node_states
+
+with Python 3.13, which has Blender 5.2 as a module. Whether a node is translated is read from the exporter itself; what
+is said of it beyond that stands here.
+"""
+
+from pathlib import Path
+
+import bpy
+
+from addon.export import volumes
+from addon.export.nodes import Translation
+from addon.export.values import FUNCTIONS, STAND_INS
+
+TARGET = Path(__file__).parents[2] / "docs" / "nodes.md"
+HEAD = """# Shader nodes
+
+What becomes of every shader node of Blender {version} that can be rendered by Cycles or stands in its menus. "full": as
+in Cycles; "partly": all but what is said beside it, which is reported when a material uses it. Nodes that are not
+rendered have a stand-in, and a warning that names material and node.
+Written by `python -m blender_tests.against_cycles.node_states`.
+
+| node | state | what is different |
+|---|---|---|
+"""
+# What is left out of nodes that are translated
+PARTLY = {
+    "ATTRIBUTE": "attributes of objects, instancers and view layers are 0",
+    "BSDF_GLASS": "Beckmann is GGX; no thin film",
+    "BSDF_GLOSSY": "Beckmann is GGX",
+    "BSDF_HAIR": "a glossy surface instead",
+    "BSDF_HAIR_PRINCIPLED": "a diffuse surface instead",
+    "BSDF_METALLIC": "Beckmann is GGX; no thin film",
+    "BSDF_PRINCIPLED": "one normal for coat and base; no thin film, no thin wall",
+    "BSDF_RAY_PORTAL": "transparent instead",
+    "BSDF_REFRACTION": "Beckmann is GGX",
+    "EEVEE_SPECULAR": "a Principled BSDF instead; Cycles does not render it at all",
+    "LIGHT_PATH": "portals: 0; what samples a lamp or a world sees a depth of 0",
+    "MIX": "rotations are not mixed",
+    "NEW_GEOMETRY": "Pointiness is 0.5",
+    "TEX_COORD": "coordinates from the instancer are those of the instance",
+    "TEX_IMAGE": "of tiles and sequences the picture that Blender has loaded; colour spaces other than sRGB and linear "
+    "ones of bytes are taken as sRGB",
+    "PRINCIPLED_VOLUME": "attributes of volumes count as 1",
+    "OUTPUT_MATERIAL": "the exporter reports what it leaves out of volume and displacement",
+    "OUTPUT_AOV": "no passes of one's own",
+}
+SEEN_THROUGH = {"GROUP", "GROUP_INPUT", "GROUP_OUTPUT", "REROUTE", "FRAME"}
+OUTPUTS = {"OUTPUT_MATERIAL", "OUTPUT_WORLD", "OUTPUT_LIGHT"}
+OF_BLENDER = {"Closure Input", "Closure Output", "Evaluate Closure"}  # resolved before the exporter looks
+
+
+def text():
+    """The page."""
+    rows = sorted(f"| {label} | {state} | {note} |" for label, state, note in map(row, node_classes()))
+    return HEAD.format(version=bpy.app.version_string) + "\n".join(rows) + "\n"
+
+
+def node_classes():
+    """Classes of the nodes that a material can hold, and those that worlds and lights have beside them."""
+    tree = bpy.data.node_groups.new("All nodes", "ShaderNodeTree")
+    found = {}
+    try:
+        for name in dir(bpy.types):
+            if not name.startswith(("ShaderNode", "NodeRepeat", "NodeClosure", "NodeMenuSwitch", "NodeEvaluate")):
+                continue
+            try:
+                node = tree.nodes.new(name)
+            except RuntimeError:  # a base class, or of another kind of tree
+                continue
+            found[node.type] = (node.type, node.bl_rna.name)
+            tree.nodes.clear()
+    finally:
+        bpy.data.node_groups.remove(tree)
+    return found.values()
+
+
+def row(told):
+    """(label, state, note) of a node's type and label."""
+    kind, label = told
+    note = PARTLY.get(kind, "")
+    if kind in SEEN_THROUGH or kind in OUTPUTS or label in OF_BLENDER:
+        return label, "partly" if note else "full", note
+    translators = [value for value in (Translation, *vars(volumes).values()) if isinstance(value, type)]
+    if kind in FUNCTIONS or any(hasattr(translator, f"_{kind.lower()}") for translator in translators):
+        if note.endswith("instead") or "instead;" in note:
+            return label, "stand-in", note
+        return label, "partly" if note else "full", note
+    if kind in STAND_INS:
+        return label, "stand-in", f"{STAND_INS[kind]:g}"
+    return label, "stand-in", note or "the value of the socket that it is linked to; a shader is black"
+
+
+if __name__ == "__main__":
+    TARGET.write_text(text(), encoding="utf-8")
