@@ -11,7 +11,7 @@ from addon.export import Report
 from addon.export.context import Context
 from addon.export.volumes import owned_volume
 from blender_tests.helpers.exported import export
-from blender_tests.helpers.shader_nodes import COLOR, RGB, link, material_tree, node, output_node
+from blender_tests.helpers.shader_nodes import COLOR, RGB, link, material_tree, node, output_node, socket
 
 
 @pytest.fixture(autouse=True)
@@ -41,7 +41,7 @@ def test_scattering_has_its_phase_function(tree, phase, expected):
     b_node = node(tree, "VolumeScatter", Color=COLOR, Density=2.0)
     b_node.phase = phase
     for name, value in {"Anisotropy": 0.25, "IOR": 1.5, "Backscatter": 0.25, "Alpha": 0.75, "Diameter": 8.0}.items():
-        b_node.inputs[name].default_value = value
+        socket(b_node, name).default_value = value
     closure, warnings = volume(tree, b_node)
     assert (closure.color, closure.density, warnings) == (pytest.approx(RGB), 2.0, [])
     assert closure.phase == expected
