@@ -33,8 +33,8 @@ them in Blender, and press F12. All on this page is made by
 
     python3 build.py gallery
 
-and single worlds by `--only NAME`. Seconds are those of a render on two cores beside other work, so they tell the order
-of magnitude only; [figures.md](../figures.md) has measurements. The difference is
+and single worlds by `--only NAME`. Seconds are those of all processors together, for the whole picture and not for the
+same noise, so they tell an order of magnitude; [figures.md](../figures.md) has measurements. The difference is
 [FLIP](https://research.nvidia.com/publication/2020-07_flip): how different the two pictures look, black not at all.
 Both are noisy, each by its own noise, so it is nowhere 0; means of the pictures tell whether they shine alike.
 """
@@ -62,7 +62,7 @@ def render_world(world, folder, samples, tell):
             uniform = bool(world.integrators)  # a figure that compares ways to sample
             done = render(engine, scene, samples, SEED, progress=progress, display=path, adaptive=not uniform)
             pictures[name] = shown(path)
-            measured[name] = {"samples": samples, "seconds": round(done.seconds, 2), "mean": mean(done.picture)}
+            measured[name] = {"samples": samples, "cpu_s": round(done.cpu_s, 2), "mean": mean(done.picture)}
     ours, theirs = pictures[picture_name(*jobs[0])], pictures["cycles"]
     pictures["flip"], value = flip(theirs, ours)
     measured["flip"] = {"mean": value}
@@ -111,7 +111,7 @@ def section(world, measured):
     for name in columns:
         heads.append(head(name))
         pictures.append(f"![{world.scene}, {head(name)}]({world.stem}_{name}.png)")
-        lines.append(f"{measured[name]['samples']} samples, {measured[name]['seconds']:.3g} s")
+        lines.append(f"{measured[name]['samples']} samples, {measured[name]['cpu_s']:.3g} s")
     heads.append("difference")
     pictures.append(f"![{world.scene}, difference]({world.stem}_flip.png)")
     lines.append(f"FLIP {measured['flip']['mean']:.3f}, means {bias:+.2%}")

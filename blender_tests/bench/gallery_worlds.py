@@ -150,7 +150,7 @@ BOOKS = (
         "next_week",
         "Everything in that book at once: a ground of blocks, a sphere that moves while the shutter is open, glass, "
         "metal, a glass ball with blue smoke inside, mist over all, a planet, marble, and a cube of 1000 spheres.",
-        "Lambent renders neither volumes nor motion blur yet: there is no mist, and the sphere is at rest.",
+        "Volumes are not rendered by Lambent yet: there is neither mist nor blue.",
     ),
     World(
         "The last picture of *Ray Tracing: The Rest of Your Life*",
