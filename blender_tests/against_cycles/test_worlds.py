@@ -14,7 +14,6 @@ from blender_tests.helpers.engines import open_for_both, render_with
 SCENES = Path(__file__).parents[2] / "scenes_blend"
 SIZE, BLOCK, SEEDS, SAMPLES = (40, 24), 4, 5, 64
 ELSEWHERE = {"cornell_box", "three_spheres"}  # test_scenes.py has them
-WITH_VOLUMES = {"cornell_smoke", "next_week"}  # which Lambent does not render yet
 
 
 def blocks(picture):
@@ -23,7 +22,7 @@ def blocks(picture):
     return picture[..., :3].reshape(height // BLOCK, BLOCK, width // BLOCK, BLOCK, 3).mean(axis=(1, 3, 4))
 
 
-@pytest.mark.parametrize("name", sorted({world.scene for world in WORLDS} - ELSEWHERE - WITH_VOLUMES))
+@pytest.mark.parametrize("name", sorted({world.scene for world in WORLDS} - ELSEWHERE))
 def test_a_world_is_the_same_in_both_engines(name):
     """Means of the whole pictures are within 5 standard deviations of 2 % at most, blocks agree by Welch's t-test."""
     path = SCENES / f"{name}.blend"

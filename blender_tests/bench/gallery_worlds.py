@@ -101,8 +101,7 @@ FIGURES = (
         "Figure 14",
         "cornell_smoke",
         "A box and ball made out of smoke",
-        "The box takes light away and the ball scatters it in all directions, both as densely as in the book. Volumes "
-        "are not rendered by Lambent yet, so its box is empty.",
+        "The box takes light away and the ball scatters it in all directions, both as densely as in the book.",
     ),
     World(
         "Figure 15",
@@ -150,7 +149,6 @@ BOOKS = (
         "next_week",
         "Everything in that book at once: a ground of blocks, a sphere that moves while the shutter is open, glass, "
         "metal, a glass ball with blue smoke inside, mist over all, a planet, marble, and a cube of 1000 spheres.",
-        "Volumes are not rendered by Lambent yet: there is neither mist nor blue.",
     ),
     World(
         "The last picture of *Ray Tracing: The Rest of Your Life*",
