@@ -109,7 +109,7 @@ def material(name, kind, **inputs):
 def shader(tree, kind, **inputs):
     """A new shader node, with values for its inputs (blanks as underscores)."""
     node = tree.nodes.new(f"ShaderNode{kind}")
-    if hasattr(node, "distribution") and kind != "BsdfPrincipled":
+    if hasattr(node, "distribution") and kind not in ("BsdfPrincipled", "BsdfSheen"):
         node.distribution = "GGX"
     for key, value in inputs.items():
         is_color = isinstance(value, tuple)

@@ -16,6 +16,7 @@ mesh_hdri         a million triangles under a picture of the sky
 many_lights       a thousand lights in a hall
 interior          a room that is lit through one small window
 textured_emitter  a stage in the light of a picture
+materials         balls, each of another shader
 
 The worlds of A. Desai, "Ray Tracing in Python", 2021, are those three boxes, three_spheres, and
 
@@ -44,6 +45,7 @@ import sys
 from pathlib import Path
 
 import bpy
+from balls import materials
 from books import next_week, one_weekend, rest_of_your_life
 from boxes import cornell_box, cornell_glass, cornell_measured, cornell_mirror, cornell_smoke
 from crowds import instances, many_lights, random_spheres, three_spheres
@@ -66,7 +68,7 @@ SCENES = (
     *(instances, mesh_hdri, many_lights, interior, textured_emitter),
     *(normals_as_colors, two_diffuse_spheres, metals_and_fuzz, checkered_spheres, turbulent_noise),
     *(picture_around_sphere, light_in_the_world, picture_as_light, cornell_measured, cornell_smoke),
-    *(one_weekend, next_week, rest_of_your_life),
+    *(one_weekend, next_week, rest_of_your_life, materials),
 )
 CYCLES = {  # what makes its pictures comparable: no short cuts
     "sample_clamp_direct": 0.0,
