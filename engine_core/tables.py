@@ -354,6 +354,7 @@ WORLD = np.dtype(
         ("far_count", "i4"),  # the first lights stand outside of the tree: suns, then beams (QUAD, DISK with spread 0)
         ("light_root", "i4"),  # row of LIGHT_NODE
         ("only_light", "i4"),  # row of LIGHT, the first of its leaf, if there is but one to select
+        ("two_looks", "i4"),  # 1: where a path scatters first, two samples are taken of the lights
         ("transparent_shadows", "i4"),  # 1: some material lets shadow rays pass
         ("has_media", "i4"),  # 1: somewhere is a medium, so paths keep account of which they are in
         ("medium", "i4"),  # row of MEDIUM that is everywhere; -1: none

@@ -9,7 +9,7 @@ from scipy import stats
 from engine_core.jit import kernel
 from engine_core.sampling.mis import power_heuristic
 from engine_core.sampling.rng import hash_float, hash_u32, to_unit_float
-from engine_core.sampling.sobol import make_sampler, make_sequence, sample_1d, sample_2d
+from engine_core.sampling.sobol import half_of, make_sampler, make_sequence, sample_1d, sample_2d
 from engine_core.settings import SamplerKind, Settings
 
 SIGNIFICANCE = 1e-4  # of each test; the points are fixed, so a test that passes once passes always
@@ -53,6 +53,26 @@ def test_every_elementary_interval_holds_one_point(log2_samples):
         for log2_columns in range(log2_samples + 1):
             columns, rows = 1 << log2_columns, n >> log2_columns
             cell = (points[:, 0] * columns).astype(int) * rows + (points[:, 1] * rows).astype(int)
+            assert len(np.unique(cell)) == n
+
+
+@kernel
+def fill_halves(settings, points, dimension):
+    """As `fill_points`, two points for each sample."""
+    for x in range(points.shape[0]):
+        sequence = make_sequence(settings, x, 7)
+        for i in range(points.shape[1]):
+            u0, u1 = sample_2d(half_of(make_sampler(sequence, i // 2), i % 2), dimension)
+            points[x, i, 0], points[x, i, 1] = u0, u1
+
+
+def test_halves_of_samples_are_a_net_of_twice_as_many_points():
+    n = 256
+    points = np.empty((4, n, 2), np.float32)
+    fill_halves(Settings(samples=n // 2), points, 3)
+    for pixel in points:
+        for columns in (1, 2, 4, 8, 16, 32, 64, 128, 256):
+            cell = (pixel[:, 0] * columns).astype(int) * (n // columns) + (pixel[:, 1] * (n // columns)).astype(int)
             assert len(np.unique(cell)) == n
 
 

@@ -77,7 +77,7 @@ def test_a_picture_that_shines_lights_the_same_by_sampling_and_by_chance():
         b.camera(look_at((0, -6, 1.5), (0, 0, 0.3)), perspective_screen(50))
         return b
 
-    sampled, by_chance = mean_of(scene(), samples=64), mean_of(scene(), IntegratorKind.BRUTE_FORCE, samples=512)
+    sampled, by_chance = mean_of(scene(), samples=512), mean_of(scene(), IntegratorKind.BRUTE_FORCE, samples=512)
     np.testing.assert_allclose(sampled, by_chance, rtol=0.04)
 
 

@@ -34,16 +34,19 @@ class Origin(NamedTuple):
     p: Vec3
     n: Vec3  # unit shading normal
     both_sides: bool  # light from behind counts as well
-    pdf: float  # density of the ray's direction; 0: light sampling had no chance
+    pdf: float  # density of the ray's direction, over the samples taken of lights; 0: light sampling had no chance
 
 
 @kernel
-def sample_direct(scene, settings, walk, it, bsdf, wo, u_select, u0, u1):
-    """Light from one emitter, chosen at random, that the surface at `it` scatters towards `wo`."""
+def sample_direct(scene, settings, walk, it, bsdf, wo, looks, u_select, u0, u1):
+    """Light from one emitter, chosen at random, that the surface at `it` scatters towards `wo`.
+
+    `looks`: how many such samples are taken, and added; each is weighed so that together they count as one.
+    """
     row, pmf_light, _ = select(scene, it.p, it.ns, walk.both_sides != 0, u_select)
     if pmf_light <= 0.0:
         return BLACK
-    return light_of(scene, settings, walk, it, bsdf, wo, row, pmf_light, u0, u1)
+    return light_of(scene, settings, walk, it, bsdf, wo, row, np.float32(looks) * pmf_light, u0, u1)
 
 
 @kernel
@@ -56,7 +59,7 @@ def sample_delta(scene, settings, walk, it, bsdf, wo, u_select):
 
 @kernel
 def light_of(scene, settings, walk, it, bsdf, wo, row, pmf_light, u0, u1):
-    """Light from the row of LIGHT, which was chosen with the probability `pmf_light`."""
+    """Light from the row of LIGHT, which was chosen with the probability `pmf_light`, or so often by several tries."""
     light = scene.lights[row]
     s = light_dispatch.sample(scene, light, it.p, u0, u1)
     if s.pdf <= 0.0 or (is_black(s.radiance) and (light.program == 0 or light.gain > 0.0)):

@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The path integrator: next-event estimation and scattering, each weighted by MIS (Veach 1997, chapters 9 and 10)."""
 
+import numpy as np
+
 from ..bsdf import dispatch as bsdf_dispatch
 from ..jit import kernel
-from ..sampling.sobol import sample_2d
+from ..linalg.vec3 import BLACK
+from ..sampling.sobol import half_of, sample_2d
 from ..tables import LobeKind
 from .direct import sample_direct
 from .vacuum import is_no_surface, is_scattered, scatter_in_media
@@ -49,18 +52,22 @@ def trace(scene, settings, sampler, ray, time):
         wo = make_bsdf(scene, settings, walk, it, bsdf)
         dimension = dimension_of(walk)
         u_select, u_lobe = sample_2d(sampler, dimension)
+        looks = 2 if walk.bounces == 0 and scene.world[0].two_looks != 0 else 1
 
         # ---- Light that reaches us directly ----------------------------------------------------------------------
         if walk.ends_here == 0 and scene.world[0].light_count > 0:
-            u0, u1 = sample_2d(sampler, dimension + 1)
-            gather_direct(settings, walk, sample_direct(scene, settings, walk, it, bsdf, wo, u_select, u0, u1))
+            Ld = BLACK
+            for look in range(looks):
+                u0, u1 = sample_2d(sampler if looks == 1 else half_of(sampler, look), dimension + 1)
+                Ld = Ld + sample_direct(scene, settings, walk, it, bsdf, wo, looks, u_select, u0, u1)
+            gather_direct(settings, walk, Ld)
 
         # ---- Choose where to go ----------------------------------------------------------------------------------
         u0, u1 = sample_2d(sampler, dimension + 2)
         s = bsdf_dispatch.sample(bsdf, wo, u_lobe, u0, u1)
         if s.kind == LobeKind.SUBSURFACE:
             go_below(walk, sampler, it, bsdf, u_lobe)
-        if not follow(scene, settings, walk, it, s, ZERO if s.is_delta else s.pdf):
+        if not follow(scene, settings, walk, it, s, ZERO if s.is_delta else s.pdf / np.float32(looks)):
             break
 
         # ---- Is it worth going on? -------------------------------------------------------------------------------

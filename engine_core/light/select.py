@@ -134,4 +134,6 @@ def prepare_selection(lights, world):
     world["light_root"] = 0 if len(nodes) else -1
     selected = np.append(np.flatnonzero(far), first)
     world["only_light"] = selected[0] if len(selected) == 1 else -1
+    # What a picture of the sky lights is in the open, mostly: a path's first vertex sees most of the light directly.
+    world["two_looks"] = len(selected) == 1 and lights["kind"][selected[0]] == LightKind.BACKGROUND
     return nodes
