@@ -35,12 +35,12 @@ render.wait()
 
 
 def run(quick):
-    """{"cold_s", "warm_first_tile_s", and both with "cpu_" for seconds of the processor}: medians."""
+    """{"cold_s", "warm_first_tile_s", and both with "cpu_" for seconds of the processor}: of one start, and medians."""
     with tempfile.TemporaryDirectory() as folder:
         scene = Path(folder) / "small.lambent"
         save_scene(scene, *small_scene())
-        colds = [first_tile_s(scene, Path(folder) / f"cache {i}") for i in range(1 if quick else 2)]
-        warms = [first_tile_s(scene, Path(folder) / "cache 0") for _ in range(1 if quick else 5)]
+        colds = [first_tile_s(scene, Path(folder) / "cache")]
+        warms = [first_tile_s(scene, Path(folder) / "cache") for _ in range(1 if quick else 5)]
     figures = {}
     for name, seconds in (("cold_s", colds), ("warm_first_tile_s", warms)):
         figures[name], figures["cpu_" + name] = (statistics.median(column) for column in zip(*seconds, strict=True))

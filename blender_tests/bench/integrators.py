@@ -21,7 +21,7 @@ SCENE = Path(__file__).parents[2] / "scenes_blend" / "cornell_box.blend"
 
 def run(quick):
     """{integrator: {"efficiency_vs_brute_force", "relative_error", "samples_per_s"}}"""
-    size, samples, converged, repetitions = (32, 16, 256, 1) if quick else (128, 64, 4096, 5)
+    size, samples, converged, repetitions = (32, 16, 256, 1) if quick else (128, 64, 2048, 3)
     scene = exported(size)
     settings = Settings(width=size, height=size, crop_width=size, crop_height=size, samples=samples, adaptive=0)
     reference, _ = picture(scene, settings._replace(samples=converged, seed=977), threads=0)

@@ -47,7 +47,7 @@ def run(quick=False):
         return {"skipped": "needs the program perf"}
     if not hasattr(bpy.types.Scene, "lambent"):
         addon.register()
-    return {name: profile(name, 8 if quick else 512) for name in SCENES}
+    return {name: profile(name, 8 if quick else 256) for name in SCENES}
 
 
 def profile(name, samples):
