@@ -13,7 +13,7 @@ from ..core import Aim, Visibility
 from .light import aim_of, export_light
 from .material import export_materials
 from .mesh import first_slot, mesh_arrays, point_arrays, without_broken_triangles
-from .motion import is_blurred, key_of
+from .motion import deforms, is_blurred, key_of
 from .shape import read_shape
 
 RAYS = {
@@ -105,7 +105,7 @@ def _source(context, b_object, geometries):
     ):
         if flag:
             context.warn(b_object.name, text)
-    if context.placed is not None and b_object.is_deform_modified(context.scene, "RENDER"):
+    if context.placed is not None and deforms(b_object):
         context.warn(b_object.name, "its deformation is not blurred yet, only its movement")
     visibility = _visibility(context, b_object)
     return Source(geometry, materials, b_object.name, visibility, b_object.pass_index, aim_of(b_object))

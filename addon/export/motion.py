@@ -14,6 +14,22 @@ from .camera import active_camera, placement
 
 # Where the shutter opens, in parts of the time that it is open, beside the frame.
 OPENS = {"START": 0.0, "CENTER": -0.5, "END": -1.0}
+# Modifiers that move vertices as time goes by.
+DEFORMING = {
+    "ARMATURE",
+    "CLOTH",
+    "CURVE",
+    "HOOK",
+    "LATTICE",
+    "MESH_CACHE",
+    "MESH_DEFORM",
+    "MESH_SEQUENCE_CACHE",
+    "OCEAN",
+    "SHRINKWRAP",
+    "SOFT_BODY",
+    "SURFACE_DEFORM",
+    "WAVE",
+}
 SHUTTER_POINTS = 65  # at which the shutter's curve is read
 
 
@@ -25,6 +41,13 @@ def has_motion_blur(context):
 def is_blurred(b_object):
     """Whether the artist wants the object to be blurred where it moves."""
     return getattr(getattr(b_object, "lambent", None), "use_motion_blur", True)
+
+
+def deforms(b_object):
+    """Whether an object may change its shape, so far as its modifiers and shape keys tell."""
+    keys = getattr(b_object.original.data, "shape_keys", None)
+    moved = any(modifier.type in DEFORMING and modifier.show_render for modifier in b_object.modifiers)
+    return moved or (keys is not None and keys.animation_data is not None)
 
 
 @contextmanager

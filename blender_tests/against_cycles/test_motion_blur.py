@@ -109,7 +109,7 @@ def test_movement_is_blurred_alike(exposure, camera_moves):
     assert scene.frame_current == FRAME
     difference = (ours - theirs).astype(float)
     assert difference.std() < 0.01  # that of one pixel covered half of the time is 0.03, were samples independent
-    assert np.abs(blocks(difference)).max() < 0.006
+    assert np.abs(blocks(difference)).max() < 0.02  # five times that of a block of such pixels
     assert np.abs(difference.mean(axis=(0, 1))).max() < 5e-4
 
 
