@@ -38,7 +38,7 @@ def test_a_crop_is_a_part_of_the_whole(room):
 
 
 def test_seeds_give_other_noise(room):
-    """The lamp's light through the glass is rare and bright: the mean of 4 samples is off by 3 %, of 256 by less than 1."""
+    """Light of the lamp through the glass is rare and bright: a mean of 4 samples is off by 3 %, of 256 by 0.2 %."""
     a, b = (picture(room, size=32, samples=256, seed=seed) for seed in (0, 1))
     assert (a != b)[..., :3].mean() > 0.5
     assert a.mean() == pytest.approx(b.mean(), rel=0.05)
