@@ -124,6 +124,11 @@ class Visibility(IntFlag):
     ALL = 63
 
 
+# Objects that have no surface, only the boundary of a medium, have their Visibility in bits that stand higher by so
+# much: rays through media ask for both, and may look for surfaces alone.
+BOUNDARY_SHIFT = 6
+
+
 class MaterialFlag(IntFlag):
     EMISSIVE = 1  # emission is not black
     TRANSPARENT = 2  # has a TRANSPARENT lobe: shadow rays pass, dimmed

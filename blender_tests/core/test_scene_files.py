@@ -12,6 +12,7 @@ from engine_core.integrator.tiles import Render
 from engine_core.scene.checks import SceneError
 from engine_core.scene.files import load_scene, save_scene
 from engine_core.scene.materials import Diffuse, Emission
+from engine_core.scene.volumes import VolumeScatter
 
 
 @pytest.fixture
@@ -28,7 +29,7 @@ def scene():
     poses = np.array([np.diag([0.2, 0.2, 0.2 + 0.1 * time, 1.0]) for time in range(3)])
     b.instance(mesh, poses[1], motion=poses)
     b.point_light("Lamp", (2, -2, 2), (50, 50, 50), radius=0.1)
-    b.background((0.2, 0.2, 0.3))
+    b.background((0.2, 0.2, 0.3), volume=VolumeScatter(density=0.01))
     return b.build()
 
 
@@ -123,6 +124,13 @@ def rewrite(table, field, value):
         ("light_nodes", "child", -(10**6)),
         ("light_nodes", "parent", 10**6),
         ("light_nodes", "parent", -2),
+        ("materials", "medium", 10**6),
+        ("world", "medium", 10**6),
+        ("media", "phases", 10**6),
+        ("media", "phases", -1),
+        ("media", "phase_count", 17),
+        ("media", "phase_count", 2),
+        ("media", "phase_count", -1),
     ],
 )
 def test_row_numbers_that_lead_outside_are_refused(scene, tmp_path, table, field, value):

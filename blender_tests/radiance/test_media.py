@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad as integral
 
-from blender_tests.helpers.scenes import CUBE_CORNERS, CUBE_TRIANGLES, builder, mean_and_error, picture, plane
+from blender_tests.helpers.scenes import CUBE_CORNERS, CUBE_TRIANGLES, builder, mean_and_error, picture, plane, quad
 from engine_core.scene.materials import Add, Diffuse, Emission, Mix, Transparent
 from engine_core.scene.volumes import HenyeyGreenstein, Rayleigh, VolumeAbsorption, VolumeCoefficients, VolumeScatter
 from engine_core.settings import IntegratorKind
@@ -123,6 +123,55 @@ def test_shadows_are_as_dark_as_the_medium(integrator):
     fill(b, ABSORBING, "mesh", moved)
     b.sun_light("Sun", (0, 0, -1), (math.pi,) * 3)
     assert_seen(b, np.exp(-1.0 * SIGMA), integrator=integrator, max_bounces=0)
+
+
+# ---- Boundaries that lie in surfaces ---------------------------------------------------------------------------------
+
+
+def on_floor(b, volume, shape, size, surface, floor):
+    """A box on a floor: its bottom lies in the floor's plane, at a height of -size."""
+    fill(b, volume, shape, np.diag([size, size, size, 1.0]))
+    if floor == "mesh":
+        plane(b, surface, half=20.0, z=-size)
+        return
+    low = np.diag([20.0, 20.0, 1.0, 1.0])
+    low[2, 3] = -size
+    quad(b, surface, low)
+
+
+FLOORS = pytest.mark.parametrize("floor", ["mesh", "quad"])
+BOXES = pytest.mark.parametrize("shape", ["mesh", "box"])
+
+
+@FLOORS
+@BOXES
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+@pytest.mark.parametrize("size", [1.0, 0.37])
+def test_a_floor_under_smoke_is_seen(size, integrator, shape, floor):
+    """A floor that shines, seen through the front and the bottom of a box that stands on it."""
+    b = builder(eye=(0, -5 * size, 3 * size), target=(0, 0, -size), field_of_view=0.01)
+    on_floor(b, ABSORBING, shape, size, Emission((1, 1, 1), 2.0), floor)
+    assert_seen(b, 2.0 * np.exp(-0.2 * math.sqrt(41.0) * size * SIGMA), integrator=integrator)
+
+
+@FLOORS
+@BOXES
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_no_light_comes_through_a_floor_under_smoke(integrator, shape, floor):
+    b = builder(eye=(0, -5, 3), target=(0, 0, -1), field_of_view=30)
+    on_floor(b, VolumeScatter(density=2.0), shape, 1.0, Diffuse((1, 1, 1)), floor)
+    b.point_light("Lamp", (0, 0, -3), (100, 100, 100))
+    b.sun_light("Sun", (0, 0.2, 1), (1, 1, 1))
+    assert not picture(b, size=16, samples=16, integrator=integrator)[..., :3].any()
+
+
+@BOXES
+def test_a_camera_in_smoke_below_a_ceiling_is_in_it(shape):
+    """The top of the box lies in the plane of the ceiling."""
+    b = seen_along_y(eye_y=0.0)
+    fill(b, ABSORBING, shape)
+    plane(b, Diffuse(), z=1.0)
+    assert_seen(b, np.exp(-SIGMA))
 
 
 # ---- What is scattered -----------------------------------------------------------------------------------------------

@@ -12,7 +12,7 @@ that faces everywhere.
 
 import numpy as np
 
-from ..accel.traverse import intersect_closest
+from ..accel.traverse import Hit, intersect_closest
 from ..jit import kernel, variant
 from ..linalg.ray import offset_ray_origin
 from ..linalg.records import copy_record, scratch_record
@@ -22,16 +22,18 @@ from ..medium.dispatch import gather_phases
 from ..medium_tables import MEDIA, PHASES
 from ..sampling.sobol import sample_1d, sample_2d
 from ..shape.interaction import Interaction, make_interaction
-from ..tables import MaterialFlag, Visibility
+from ..tables import BOUNDARY_SHIFT, MaterialFlag, Visibility
 from . import direct, mixture, path, phases, uniform, walk
 from .direct import transparency
 from .walk import ABOVE, CAMERA, FAR, ZERO, dimension_of, gather, gather_direct, limit_of_found, survives
 
 FLIGHTS = 1 << 16  # dimensions of a sample from here on are for how far it goes in media
 MOST_CROSSINGS = 1024  # of boundaries, before a path is given up
-MOST_PROBED = 128  # surfaces above the camera that are asked whether it is inside
+MOST_PROBED = 128  # surfaces, or boundaries, above the camera that are asked whether it is inside
 UP = Vec3(0.0, 0.0, 1.0)
 NONE = np.int32(-1)
+ONE = np.float32(1.0)
+ONE_LOOK = 1  # at lights, from where a path is scattered by media
 
 new_media, new_phases = scratch_record(MEDIA), scratch_record(PHASES)
 
@@ -51,16 +53,20 @@ def set_out(scene, path, ray, time):
     path.volume_bounces = 0
     inside.nowhere(scene, path.media)
     if scene.world[0].camera_in_media != 0:
-        look_up(scene, path.media, ray.o, time)
+        look_up(scene, path.media, ray.o, CAMERA, time)
+        look_up(scene, path.media, ray.o, CAMERA << BOUNDARY_SHIFT, time)
 
 
 @kernel
-def look_up(scene, media, o, time):
-    """Enter all media that `o` is in: those whose surface is left before it was entered, on the way up."""
+def look_up(scene, media, o, visibility, time):
+    """Enter all media that `o` is in: those whose surface is left before it was entered, on the way up.
+
+    `visibility`: of surfaces or of boundaries. A box may reach to the ceiling, and only one of them would be met.
+    """
     entered = new_media()
     entered.count = 0
     for _ in range(MOST_PROBED):
-        hit = intersect_closest(scene, o, UP, FAR, CAMERA, time)
+        hit = intersect_closest(scene, o, UP, FAR, visibility, time)
         if hit.prim < 0:
             return
         it = make_interaction(scene, hit, o, UP, time)
@@ -96,6 +102,27 @@ def is_no_surface(scene, path, it):
 def dimension_of_media(path):
     """Boundaries have random numbers of their own, too: what comes behind them is decided anew."""
     return dimension_of(path) + walk.DIMENSIONS_PER_VERTEX * path.media.crossings
+
+
+# ---- What is met? ----------------------------------------------------------------------------------------------------
+
+
+@kernel
+def intersect_all(scene, o, d, t_max, visibility, time):
+    """As `intersect_closest`, of surfaces and boundaries. Where they lie in one place it is the surface.
+
+    A box of smoke may stand on a floor. A path that goes through the box' bottom is moved off it, and would then be
+    below the floor. Where the floor is met instead, it is scattered while it still is in the smoke.
+    """
+    hit = intersect_closest(scene, o, d, t_max, visibility | visibility << BOUNDARY_SHIFT, time)
+    if hit.instance < 0 or scene.instances[hit.instance].visibility >> BOUNDARY_SHIFT == 0:
+        return hit
+    it = make_interaction(scene, hit, o, d, time)
+    before, behind = offset_ray_origin(it.p, it.ng), offset_ray_origin(it.p, -it.ng)
+    surface = intersect_closest(scene, before, behind - before, ONE, visibility, time)
+    if surface.prim < 0:
+        return hit
+    return Hit(hit.t, surface.kind, surface.prim, surface.instance, surface.b1, surface.b2)
 
 
 # ---- How far do we get? ----------------------------------------------------------------------------------------------
@@ -143,7 +170,7 @@ def shadow_transmittance(scene, settings, path, it, o, d, t_max):
     metres = length(d)
     clear, passed = WHITE, 0
     for _ in range(MOST_CROSSINGS):
-        hit = intersect_closest(scene, o, d, t_max, Visibility.SHADOW.value, path.time)
+        hit = intersect_all(scene, o, d, t_max, Visibility.SHADOW.value, path.time)
         if media.count > 0:
             clear = clear * homogeneous.transmittance(load3(media, "sigma_t"), hit.t * metres)
         if hit.prim < 0:
@@ -202,7 +229,7 @@ def scatter_by_path(scene, settings, path, sampler):
     u_select, u_phase = sample_2d(sampler, dimension)
     if scene.world[0].light_count > 0:
         u0, u1 = sample_2d(sampler, dimension + 1)
-        L = sample_direct_in_media(scene, settings, path, it, found, wo, u_select, u0, u1)
+        L = sample_direct_in_media(scene, settings, path, it, found, wo, ONE_LOOK, u_select, u0, u1)
         gather_direct(settings, path, L)
     u0, u1 = sample_2d(sampler, dimension + 2)
     s = phases.sample(found, wo, u_phase, u0, u1)
@@ -242,7 +269,9 @@ lamp_radiance = in_media(direct.lamp_radiance, clearness=clearness)
 light_of = in_media(direct.light_of, shadow_transmittance=shadow_transmittance)
 COMMON = {
     "set_out": set_out,
-    "advance": in_media(walk.advance, lamp_radiance=lamp_radiance, clearness=clearness),
+    "advance": in_media(
+        walk.advance, intersect_closest=intersect_all, lamp_radiance=lamp_radiance, clearness=clearness
+    ),
     "is_scattered": is_scattered,
     "is_no_surface": is_no_surface,
     "dimension_of": dimension_of_media,

@@ -36,7 +36,7 @@ from .displace import add_generated, displace
 from .emitters import bake_lights
 from .lamp_programs import bake_lamps, instance_rows
 from .media import MediaTables
-from .shading import Shading, scatters_below
+from .shading import Shading, needs_own_tree
 from .targets import Aim
 from .triangles import inverse, triangle_lights, triangle_rows
 from .world import bake_world, light_rows
@@ -84,7 +84,8 @@ class _Assembly:
         self._lamp_programs()
         self._bounds(world)
         lights = self._lights(materials, world)
-        media = MediaTables(self.builder, self.geometries, materials, world, self.placements, self.matrices)
+        placed = self.placements, self.matrices, self.instances
+        media = MediaTables(self.builder, self.geometries, materials, world, *placed)
         world["transparent_shadows"] = int((materials["flags"] & MaterialFlag.TRANSPARENT).any())
         scene = Scene(
             nodes=_concatenate(self.nodes, NODE),
@@ -147,7 +148,7 @@ class _Assembly:
             kind = _kind(self.geometries[geometry])
             alone_there = len(numbers) == 1 and self.motions[numbers[0]] is None
             in_world = alone_there and first.visibility == Visibility.ALL
-            in_world = in_world and not scatters_below(materials, first.materials)  # a walk asks the object's own tree
+            in_world = in_world and not needs_own_tree(materials, first.materials)
             if in_world and (kind == TreeKind.TRIANGLES or self._keeps_shapes(numbers[0])):
                 alone[kind].append(numbers[0])
             else:
@@ -242,11 +243,8 @@ class _Assembly:
         """Trees over the instances with these numbers: those that stand still, and those that move."""
         if not len(numbers):
             return
-        shared, nodes, packets = (
-            self.instances[numbers],
-            _concatenate(self.nodes, NODE),
-            _concatenate(self.packets, PACKET),
-        )
+        shared = self.instances[numbers]
+        nodes, packets = _concatenate(self.nodes, NODE), _concatenate(self.packets, PACKET)
         low, high = motion.instance_bounds(shared, self.poses, int(world["pose_count"][0]), nodes, packets)
         moves = shared["motion"] > 0
         order = []

@@ -14,6 +14,7 @@ import numpy as np
 
 from ..accel.nodes import aligned_rows
 from ..integrator.subsurface import entries_needed
+from ..medium_tables import MAX_PHASES
 from ..settings import Settings
 from ..shader import link, verify
 from ..tables import LIGHT_WIDTH, MAX_LOBES, MAX_PART_LEVEL, Scene, TreeKind
@@ -119,6 +120,7 @@ def check_tables(name, tables):
         ("light_root", "the tree of lights", "light_nodes"),
     ):
         within(what, world[field], table)
+    _check_media(name, tables, within)
     level = tables["lights"]["level"]
     if level.min(initial=0) < 0 or level.max(initial=0) > MAX_PART_LEVEL:
         raise SceneError(f"{name}: lights are divided too finely")
@@ -134,6 +136,19 @@ def check_tables(name, tables):
         raise SceneError(f"{name}: targets of the world lead outside of the table targets")
     for fault in verify.faults(tables):
         raise SceneError(f"{name}: {fault}")
+
+
+def _check_media(name, tables, within):
+    """Refuse media and phase functions that are not there."""
+    within("media of materials", tables["materials"]["medium"], "media")
+    within("the world's medium", tables["world"]["medium"], "media")
+    first, count = (tables["media"][field].astype(np.int64) for field in ("phases", "phase_count"))
+    if (
+        min(first.min(initial=0), count.min(initial=0)) < 0
+        or count.max(initial=0) > MAX_PHASES
+        or (first + count).max(initial=0) > len(tables["phases"])
+    ):
+        raise SceneError(f"{name}: phase functions of media lead outside of the table phases")
 
 
 def _check_motion(name, tables):

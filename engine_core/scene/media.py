@@ -5,22 +5,26 @@ import numpy as np
 
 from ..medium_tables import MAX_PHASES, MEDIUM, PHASE
 from ..shape.dispatch import bounds
-from ..tables import CameraKind
+from ..tables import BOUNDARY_SHIFT, CameraKind
+from .shading import has_no_surface
 from .shapes import Shapes
 
 
 class MediaTables:
-    """Rows of MEDIUM and PHASE; sets `medium` in the rows of MATERIAL of `builder`, and what WORLD says of media.
+    """Rows of MEDIUM and PHASE; sets `medium` in the rows of MATERIAL of `builder`, what WORLD says of media, and who
+    sees those of INSTANCE that have no surface.
 
-    `matrices`: of the placements, float64 (n, 3, 4).
+    `matrices`: of the placements, float64 (n, 3, 4). `instances`: their rows.
     """
 
-    def __init__(self, builder, geometries, materials, world, placements, matrices):
+    def __init__(self, builder, geometries, materials, world, placements, matrices, instances):
         self.phases, self._media, self._medium_rows = [], [], {}
         self.builder, self.geometries, self.materials = builder, geometries, materials
         materials["medium"] = [self._add(material.name, material.medium) for material in builder.materials]
         self.world_medium = self._add("World", builder.world_medium)
         self._fill_world(world, placements, matrices)
+        bare = [has_no_surface(materials, placement.materials) for placement in placements]
+        instances["visibility"][bare] <<= BOUNDARY_SHIFT
 
     def tables(self):
         phases = np.array(self.phases, PHASE) if self.phases else np.zeros(0, PHASE)

@@ -137,6 +137,17 @@ def scatters_below(materials, numbers):
     return any(materials["flags"][number] & MaterialFlag.SUBSURFACE for number in numbers)
 
 
+def has_no_surface(materials, numbers):
+    """Whether an object of these materials is nothing but the boundary of a medium."""
+    return len(numbers) > 0 and bool((materials["flags"][list(numbers)] & MaterialFlag.BOUNDARY).all())
+
+
+def needs_own_tree(materials, numbers):
+    """Whether an object of these materials keeps its tree though it stands in the world once: a walk below surfaces
+    asks no other, and rays that look for surfaces pass by those that have none."""
+    return scatters_below(materials, numbers) or has_no_surface(materials, numbers)
+
+
 def _scatters_below(closure, varying):
     if closure["kind"] == ClosureKind.PRINCIPLED:
         weight = varying.get("subsurface_weight", closure["subsurface_weight"])
