@@ -64,6 +64,12 @@ class LambentSceneSettings(bpy.types.PropertyGroup):
         default=True,
         description="Give one half of the samples to all pixels alike, and the other to those that need it most",
     )
+    use_guiding: BoolProperty(
+        name="Guiding",
+        default=False,
+        description="Let paths learn from which directions light comes, where that makes for less noise: in rooms lit "
+        "through windows or from wall to wall, and by caustics. Path integrator only",
+    )
     noise_target: FloatProperty(
         name="Noise Target",
         default=0.0,

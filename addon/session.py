@@ -35,6 +35,7 @@ def settings_from(b_scene, crop, overrides=None):
         seed=ours.seed + (b_scene.frame_current if ours.use_animated_seed else 0),
         sampler=int(SamplerKind[ours.sampler]),
         adaptive=int(ours.use_adaptive),
+        guiding=int(ours.use_guiding),
         noise_target=ours.noise_target / 100.0,
         integrator=int(IntegratorKind[ours.integrator]),
         max_bounces=ours.max_bounces,

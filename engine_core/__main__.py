@@ -24,6 +24,7 @@ def main(arguments=None):
     render.add_argument("--seed", type=int)
     render.add_argument("--sampler", choices=[kind.name.lower() for kind in SamplerKind])
     render.add_argument("--uniform", action="store_true", help="as many samples for each pixel: no adaptive sampling")
+    render.add_argument("--guiding", action=argparse.BooleanOptionalAction, help="paths learn from those before them")
     render.add_argument("--noise-target", type=float, metavar="PERCENT", help="stop when the noise is that low")
     render.add_argument("--integrator", choices=[kind.name.lower() for kind in IntegratorKind])
     render.add_argument("--threads", type=int, default=0, help="default: one for each processor")
@@ -47,6 +48,8 @@ def render_file(options):
         changes["sampler"] = int(SamplerKind[options.sampler.upper()])
     if options.uniform:
         changes["adaptive"] = 0
+    if options.guiding is not None:
+        changes["guiding"] = int(options.guiding)
     if options.noise_target is not None:
         changes["noise_target"] = options.noise_target / 100.0
     output = options.output or options.scene.rsplit(".", 1)[0] + ".png"

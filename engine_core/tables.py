@@ -9,6 +9,7 @@ from enum import IntEnum, IntFlag
 
 import numpy as np
 
+from .guide_tables import GUIDE, GUIDE_BRANCH, GUIDE_CELL, LESSON
 from .linalg.records import Tables
 from .medium_tables import MEDIUM, PHASE
 from .program_tables import (
@@ -232,6 +233,8 @@ MAX_FRAMES = 8
 BSDF = np.dtype(
     [  # how light scatters at one point: made at a hit by shader/, read by bsdf/
         ("count", "i4"),
+        ("cell", "i4"),  # row of GUIDE_CELL that guides what it scatters, or -1 ...
+        ("guided", "f4"),  # ... and the share of the directions that come from there
         ("ng", "f4", (3,)),  # geometric normal, on the side of wo
         ("frame_count", "i4"),
         ("frame", "i4"),  # while it is made: the frame of the lobes that are being added
@@ -399,6 +402,9 @@ class Scene(Tables):
     light_nodes = LIGHT_NODE
     world_map = CELL
     targets = TARGET
+    guide = GUIDE
+    guide_branches = GUIDE_BRANCH
+    guide_cells = GUIDE_CELL
     camera = CAMERA
     world = WORLD
 
@@ -413,6 +419,8 @@ PIXEL = np.dtype(
         ("normal", "f4", (3,)),
         ("albedo", "f4", (3,)),
         ("position", "f4", (3,)),  # of the first sample
+        ("scattered", "f4"),  # the part of radiance that guiding could find, the mean of colours ...
+        ("scattered_square", "f4"),  # ... and its square
         ("samples", "i4"),  # that it has ...
         ("target", "i4"),  # ... and shall have
     ]
@@ -425,3 +433,4 @@ class Film(Tables):
 
     pixels = PIXEL
     control = CONTROL
+    lessons = LESSON

@@ -21,6 +21,9 @@ class SamplingPanel(LambentPanel, bpy.types.Panel):
         column.prop(ours, "noise_target")
         column.prop(ours, "time_limit")
         column.prop(ours, "use_adaptive")
+        guiding = column.row()
+        guiding.active = ours.integrator == "PATH"
+        guiding.prop(ours, "use_guiding")
         column.prop(ours, "sampler")
         row = column.row(align=True)
         row.prop(ours, "seed")

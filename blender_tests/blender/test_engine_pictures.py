@@ -186,7 +186,7 @@ def test_stereo_views_differ_by_the_eye(scene, tmp_path):
 # ---- What the file says, and what must not matter --------------------------------------------------------------------
 
 
-SAID = ("engine", "integrator", "sampler", "adaptive", "seed", "samples", "render_time", "estimated_error")
+SAID = ("engine", "integrator", "sampler", "adaptive", "guided", "seed", "samples", "render_time", "estimated_error")
 
 
 def test_the_file_says_how_it_was_rendered(scene, tmp_path):

@@ -7,10 +7,18 @@ import sys
 from sources import ROOT, imports, python_files, syntax
 
 RANKS_OF_ENGINE = [
-    {"jit", "tables", "program_tables", "medium_tables", "settings", "linalg"},  # these few may know each other
+    {
+        "jit",
+        "tables",
+        "program_tables",
+        "medium_tables",
+        "guide_tables",
+        "settings",
+        "linalg",
+    },  # these few may know each other
     {"sampling", "motion"},
     {"shape", "texture", "camera", "film"},
-    {"shader", "bsdf", "light", "medium", "accel"},
+    {"shader", "bsdf", "light", "medium", "accel", "guiding"},
     {"integrator"},
     {"scene"},
     {"__main__", "__init__"},

@@ -38,8 +38,11 @@ class Noise:
         self._decay = None  # p
         self._error, self._samples = math.nan, 0.0  # of the picture, and samples of a pixel on average
 
-    def update(self):
-        """Measure how pixels moved. Takes about 0.3 s for a million pixels."""
+    def update(self, is_steady=True):
+        """Measure how pixels moved. Takes about 0.3 s for a million pixels.
+
+        `is_steady`: the last samples vary as those before, so that D^2 falls for no other reason than their number.
+        """
         pixels = self._film.pixels.reshape(self._shape)
         count = pixels["samples"].astype(np.float32)
         mean = pixels["radiance"].mean(axis=-1) / np.maximum(count, 1.0)
@@ -50,7 +53,8 @@ class Noise:
         moved = np.where(has_moved, (mean - self._mean) ** 2, self._moved)
         growth = np.where(has_moved, count / np.maximum(self._count, 1.0), self._growth)
         self._spread += np.where(has_moved, moved * count * self._count, 0.0)
-        self._learn_decay(has_moved & (growth == 2.0) & (self._growth == 2.0), moved)
+        if is_steady:
+            self._learn_decay(has_moved & (growth == 2.0) & (self._growth == 2.0), moved)
         self._moved, self._growth = moved, growth
         self._mean, self._count = np.where(measured, mean, self._mean), np.where(measured, count, self._count)
 
@@ -75,6 +79,13 @@ class Noise:
     def decay(self):
         """With which power of the number of samples the variance falls, but for outliers."""
         return self._decay or 1.0
+
+    def share_of(self, variance):
+        """Share of the noise that would be left if samples varied by `variance` alone, (height, width); no outliers."""
+        whole = self._weight * self._spread / np.maximum(self._count - 1.0, 1.0)
+        part = self._weight * variance
+        usual = whole + part <= threshold(whole + part)
+        return float(min(part[usual].sum() / max(whole[usual].sum(), 1e-30), 1.0))
 
     def error_at(self, samples):
         """Relative error of the picture with so many samples in a pixel on average; NaN while nothing is known.

@@ -3,14 +3,15 @@
 
 import numpy as np
 
-from ..tables import CONTROL, PIXEL, Film
+from ..tables import CONTROL, LESSON, PIXEL, Film
 
 NO_DEPTH = 1e10  # what the depth pass says where nothing was hit, as in Cycles
 
 
-def make_film(width, height):
-    """An empty film of `width` x `height` pixels."""
-    film = Film(pixels=np.zeros(width * height, PIXEL), control=np.zeros(1, CONTROL))
+def make_film(width, height, lessons=None):
+    """An empty film of `width` x `height` pixels. `lessons`: rows of LESSON, if paths leave any."""
+    lessons = np.zeros(0, LESSON) if lessons is None else lessons
+    film = Film(pixels=np.zeros(width * height, PIXEL), control=np.zeros(1, CONTROL), lessons=lessons)
     film.width, film.height = width, height
     return film
 

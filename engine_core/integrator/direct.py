@@ -19,6 +19,7 @@ from ..shader.evaluate import light_radiance, run_program
 from ..shader.point import new_point, set_surface, set_world
 from ..shape.interaction import make_interaction
 from ..tables import MaterialFlag, Visibility
+from .guided import guided_pdf
 from .targets import choose
 from .vacuum import clearness
 
@@ -71,8 +72,6 @@ def light_of(scene, settings, walk, it, bsdf, wo, row, pmf_light, u0, u1):
         return BLACK
     pdf_light = s.pdf * pmf_light
     f = f * (1.0 / pdf_light)
-    if not s.is_delta:
-        f = f * power_heuristic(pdf_light, pdf_bsdf)
     o = offset_ray_origin(it.p, it.ng if dot(s.wi, it.ng) > 0.0 else -it.ng)
     if s.distance == FAR:
         f = f * shadow_transmittance(scene, settings, walk, it, o, s.wi, FAR)
@@ -82,7 +81,11 @@ def light_of(scene, settings, walk, it, bsdf, wo, row, pmf_light, u0, u1):
         n = light_dispatch.surface_normal(light, q)
         q = offset_ray_origin(q, n if dot(s.wi, n) < 0.0 else -n)
         f = f * shadow_transmittance(scene, settings, walk, it, o, q - o, ALMOST_ONE)
-    if light.program > 0 and not is_black(f):  # after the shadow: a program costs more than a ray
+    if is_black(f):
+        return BLACK
+    if not s.is_delta:
+        f = f * power_heuristic(pdf_light, guided_pdf(scene, bsdf, s.wi, pdf_bsdf))
+    if light.program > 0:  # after the shadow: a program costs more than a ray
         p = it.p + s.wi * s.distance
         L = light_radiance(scene, light, new_point(), p, s.wi, s.distance, walk.visibility)
         return f * L * s.radiance if light.gain > 0.0 else f * L

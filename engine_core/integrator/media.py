@@ -214,7 +214,8 @@ def count_scattering(settings, path, s):
     path.ends_here = path.bounces > settings.max_bounces or path.volume_bounces > settings.volume_bounces
 
 
-light_in_media = in_media(direct.light_of, "of_phases", bsdf_dispatch=phases, shadow_transmittance=shadow_transmittance)
+MEANINGS = {"bsdf_dispatch": phases, "guided_pdf": phases.guided_pdf, "shadow_transmittance": shadow_transmittance}
+light_in_media = in_media(direct.light_of, "of_phases", **MEANINGS)
 sample_direct_in_media = in_media(direct.sample_direct, "of_phases", light_of=light_in_media)
 sample_delta_in_media = in_media(direct.sample_delta, "of_phases", light_of=light_in_media)
 sample_mixture_in_media = in_media(mixture.sample_mixture, "of_phases", bsdf_dispatch=phases)

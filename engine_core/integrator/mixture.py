@@ -39,7 +39,7 @@ BELOW_ONE = np.float32(1.0 - 2.0**-24)
 
 
 @kernel
-def trace(scene, settings, sampler, ray, time):
+def trace(scene, settings, film, sampler, ray, time):
     """The PathSample that a CameraRay finds, at a time of the shutter."""
     walk, bsdf = new_walk(), new_bsdf()
     set_out(scene, walk, ray, time)

@@ -3,12 +3,13 @@
 
 import numpy as np
 
-from ..bsdf import dispatch as bsdf_dispatch
+from ..guiding.trail import new_trail, teach
 from ..jit import kernel
-from ..linalg.vec3 import BLACK
+from ..linalg.vec3 import BLACK, load3
 from ..sampling.sobol import half_of, sample_2d
 from ..tables import LobeKind
 from .direct import sample_direct
+from .guided import leave_trail, sample_guided, set_guide
 from .vacuum import is_no_surface, is_scattered, scatter_in_media
 from .walk import (
     ZERO,
@@ -29,10 +30,11 @@ from .walk import (
 
 
 @kernel
-def trace(scene, settings, sampler, ray, time):
-    """The PathSample that a CameraRay finds, at a time of the shutter."""
-    walk, bsdf = new_walk(), new_bsdf()
+def trace(scene, settings, film, sampler, ray, time):
+    """The PathSample that a CameraRay finds, at a time of the shutter. What it teaches is left on the film."""
+    walk, bsdf, trail = new_walk(), new_bsdf(), new_trail()
     set_out(scene, walk, ray, time)
+    trail.count = 0
     while True:
         # ---- Where are we, and what shone on the way? ------------------------------------------------------------
         hit = advance(scene, settings, walk)
@@ -50,6 +52,7 @@ def trace(scene, settings, sampler, ray, time):
 
         # ---- How does this place scatter? ------------------------------------------------------------------------
         wo = make_bsdf(scene, settings, walk, it, bsdf)
+        set_guide(scene, it, bsdf)
         dimension = dimension_of(walk)
         u_select, u_lobe = sample_2d(sampler, dimension)
         looks = 2 if walk.bounces == 0 and scene.world[0].two_looks != 0 else 1
@@ -64,13 +67,15 @@ def trace(scene, settings, sampler, ray, time):
 
         # ---- Choose where to go ----------------------------------------------------------------------------------
         u0, u1 = sample_2d(sampler, dimension + 2)
-        s = bsdf_dispatch.sample(bsdf, wo, u_lobe, u0, u1)
+        s = sample_guided(scene, bsdf, wo, u_lobe, u0, u1)
         if s.kind == LobeKind.SUBSURFACE:
             go_below(walk, sampler, it, bsdf, u_lobe)
+        leave_trail(scene, trail, walk, bsdf, s)
         if not follow(scene, settings, walk, it, s, ZERO if s.is_delta else s.pdf / np.float32(looks)):
             break
 
         # ---- Is it worth going on? -------------------------------------------------------------------------------
         if not survives(settings, walk, sampler, dimension + 3):
             break
+    teach(film, trail, load3(walk, "L"))
     return outcome(walk)

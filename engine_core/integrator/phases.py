@@ -32,4 +32,10 @@ def is_behind(phases, wi):
     return False
 
 
-__all__ = ["evaluate_and_pdf", "is_behind", "kind_of_lobe", "sample", "share_seeing", "spread"]
+@kernel
+def guided_pdf(scene, phases, wi, pdf):
+    """As `guided.guided_pdf`: nothing guides what is scattered in a medium."""
+    return pdf
+
+
+__all__ = ["evaluate_and_pdf", "guided_pdf", "is_behind", "kind_of_lobe", "sample", "share_seeing", "spread"]

@@ -67,12 +67,15 @@ def render_tile(scene, settings, film, x0, y0, width, height, most):
                     u0,
                     u1,
                 )
-                s = trace(scene, settings, sampler, ray, time)
+                s = trace(scene, settings, film, sampler, ray, time)
                 L = s.L * settings.exposure
                 if not math.isfinite(L.x + L.y + L.z):
                     L = BLACK  # one overflow in a million samples must not cost the pixel
                 radiance = radiance + L
                 alpha += s.alpha
+                scattered = s.scattered * settings.exposure if math.isfinite(s.scattered) else np.float32(0.0)
+                pixel.scattered += scattered
+                pixel.scattered_square += scattered * scattered
                 normal = normal + s.normal
                 albedo = albedo + s.albedo
                 if index == 0:

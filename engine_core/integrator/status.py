@@ -20,6 +20,7 @@ def metadata(render):
         "integrator": IntegratorKind(settings.integrator).name.lower(),
         "sampler": SamplerKind(settings.sampler).name.lower(),
         "adaptive": "yes" if settings.adaptive else "no",
+        "guided": "yes" if render.is_guided else "no",
         "seed": str(settings.seed),
         "samples": str(render.samples_done),
         "render_time": f"{render.elapsed_s:.3f} s",

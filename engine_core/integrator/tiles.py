@@ -24,8 +24,9 @@ import numpy as np
 
 from ..film import adaptive, passes
 from ..film.noise import Noise
+from ..guiding.guide import FEWEST_PATHS, FEWEST_SAMPLES, Guide
 from ..sampling.sobol import index_bits
-from ..settings import UNIFORM_SAMPLES, Settings
+from ..settings import UNIFORM_SAMPLES, IntegratorKind, Settings
 from .render import RENDER_TILE, RENDER_TILE_IN_MEDIA
 
 # A tile is small enough that stopping, and sharing the last ones among the threads, takes no time,
@@ -57,7 +58,10 @@ class Render:
         if settings.crop_width < 1 or settings.crop_height < 1 or settings.samples < 1:
             raise ValueError("a render needs at least one pixel and one sample")
         self.scene, self.settings = scene, Settings(*settings).plain()
-        self.film = passes.make_film(settings.crop_width, settings.crop_height)
+        self.guide = make_guide(scene, self.settings)
+        if self.guide is not None:
+            self.scene = self.guide.scene
+        self.film = passes.make_film(settings.crop_width, settings.crop_height, self.guide and self.guide.lessons)
         self.threads = threads if threads > 0 else available_processors()
         self.time_limit = time_limit
         self.tiles = make_tiles(settings.crop_width, settings.crop_height)
@@ -162,6 +166,11 @@ class Render:
         """Relative error of the picture so far, as in film.noise; NaN while nothing is known."""
         return self.noise.error_at(self._average)
 
+    @property
+    def is_guided(self):
+        """Whether paths follow what earlier ones have learned."""
+        return self.guide is not None and self.guide.is_guiding
+
     def image(self, name, tile=None):
         """The pass `name` as float32 (height, width, channels), bottom row first; of a tile, or of the whole film."""
         return passes.image(self.film, name, tile)
@@ -170,8 +179,10 @@ class Render:
 
     def _next_pass(self):
         """All threads have finished a pass: begin the next, if there is one."""
-        self.noise.update()
         samples = passes.pixels(self.film)["samples"]
+        self.noise.update(is_steady=not self.is_guided)
+        if self.guide is not None:
+            self.guide.after_pass(passes.pixels(self.film), self.noise)
         if (samples >= self._goal).all():
             self._done = self._budget
             self._first_pass_s = self._first_pass_s or self.elapsed_s  # it may have compiled kernels
@@ -264,7 +275,7 @@ class Render:
             with self._changed:
                 is_alone = self._running_workers == 1
                 if is_alone and self._open_jobs > 0 and not self.is_cancelled:
-                    self.noise.update()  # out of time in the midst of a pass
+                    self.noise.update(is_steady=not self.is_guided)  # out of time in the midst of a pass
                 self._running_workers -= 1
                 if is_alone:
                     self._ended = time.perf_counter()
@@ -281,6 +292,14 @@ class Render:
             if render_tile(self.scene, self.settings, self.film, *tile, LARGEST_BATCH) < tile[3]:
                 return False
         return True
+
+
+def make_guide(scene, settings):
+    """A Guide if one is wanted, and there will be paths enough to teach it and to follow it."""
+    pixels = settings.crop_width * settings.crop_height
+    enough = settings.samples >= 2 * FEWEST_SAMPLES and pixels * settings.samples >= 2 * FEWEST_PATHS
+    is_wanted = settings.guiding != 0 and settings.integrator == IntegratorKind.PATH
+    return Guide(scene) if is_wanted and enough else None
 
 
 def available_processors():

@@ -30,7 +30,7 @@ from .walk import (
 
 
 @kernel
-def trace(scene, settings, sampler, ray, time):
+def trace(scene, settings, film, sampler, ray, time):
     """The PathSample that a CameraRay finds, at a time of the shutter."""
     walk, bsdf = new_walk(), new_bsdf()
     set_out(scene, walk, ray, time)

@@ -67,6 +67,7 @@ WALK = np.dtype(
         ("first_normal", "f4", (3,)),
         ("first_albedo", "f4", (3,)),
         ("first_hit", "i4"),
+        ("direct", "f4"),  # mean of L when it went on from the first place that may be guided; infinite: none yet
         ("volume_bounces", "i4"),  # this and the following only in scenes that have media
         ("media", MEDIA),  # that the ray is in
         ("point", POINT),  # the vertex, for shader programs: set if its material has any
@@ -84,6 +85,7 @@ class PathSample(NamedTuple):
     normal: Vec3
     albedo: Vec3
     hit: bool
+    scattered: float  # mean of the part of L that was found beyond the first place that may be guided
 
 
 @kernel
@@ -100,6 +102,7 @@ def set_out(scene, walk, ray, time):
     store3(walk, "first_normal", BLACK)
     store3(walk, "first_albedo", WHITE)
     walk.t_max, walk.time, walk.visibility, walk.alpha = ray.t_max, time, CAMERA, np.float32(1.0)
+    walk.direct = FAR
     walk.pdf_last = walk.distance = walk.t = ZERO
     walk.both_sides = walk.both_sides_last = walk.descents = 0
     walk.side = ABOVE
@@ -225,6 +228,7 @@ def make_bsdf(scene, settings, walk, it, bsdf):
         walk.side = ABOVE
         bsdf_dispatch.become_matt(bsdf)
     bsdf_dispatch.prepare(bsdf, wo, it.backfacing)
+    bsdf.cell, bsdf.guided = np.int32(-1), ZERO
     walk.both_sides = scene.materials[it.material].flags & MaterialFlag.TRANSMITS.value != 0
     if walk.first_hit == 0:
         store3(walk, "first_p", it.p)
@@ -326,4 +330,5 @@ def outcome(walk):
         load3(walk, "first_normal"),
         load3(walk, "first_albedo"),
         walk.first_hit != 0,
+        max(average(load3(walk, "L")) - walk.direct, 0.0),
     )

@@ -8,6 +8,7 @@ tree to walk; what stands there several times keeps its object space, and a tree
 import numpy as np
 
 from ..accel import build as accel
+from ..guide_tables import no_guide
 from ..integrator.subsurface import entries_needed
 from ..light.bounds import is_far
 from ..light.select import prepare_selection
@@ -106,6 +107,7 @@ class _Assembly:
             world=world,
             **attributes,
             **media.tables(),
+            **no_guide(),
             **shading.programs.tables(entries_needed(materials)),
         )
         return self._with_baked_light(scene)

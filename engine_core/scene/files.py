@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from ..accel.nodes import aligned_rows
+from ..guide_tables import no_guide
 from ..integrator.subsurface import entries_needed
 from ..medium_tables import MAX_PHASES
 from ..settings import Settings
@@ -65,6 +66,7 @@ def load_scene(path):
     # what the file says is of another process
     entries = entries_needed(tables["materials"])
     tables["kernels"] = link.kernels(families, len(tables["programs"]) > 1, entries)
+    tables |= no_guide()  # a render makes its own
     return Scene(**tables), settings
 
 
