@@ -12,18 +12,16 @@ from ..guide_tables import no_guide
 from ..integrator.subsurface import entries_needed
 from ..light.bounds import is_far
 from ..light.select import prepare_selection
-from ..program_tables import CELL, OBJECT
+from ..program_tables import OBJECT
 from ..shape.dispatch import bounds
 from ..tables import (
     CAMERA,
     INSTANCE,
     LIGHT,
-    LIGHT_NODE,
     NODE,
     PACKET,
     SHAPE,
     SLOT,
-    TARGET,
     TRIANGLE,
     WORLD,
     LightKind,
@@ -100,9 +98,7 @@ class _Assembly:
             materials=materials,
             lobes=lobes,
             lights=lights,
-            light_nodes=np.zeros(0, LIGHT_NODE),
-            world_map=np.zeros(0, CELL),
-            targets=np.zeros(0, TARGET),
+            **{name: np.zeros(0, Scene.dtypes()[name]) for name in ("light_nodes", "world_map", "targets")},
             camera=camera,
             world=world,
             **attributes,
