@@ -14,7 +14,7 @@ class MediaTables:
     """Rows of MEDIUM and PHASE; sets `medium` in the rows of MATERIAL of `builder`, what WORLD says of media, and who
     sees those of INSTANCE that have no surface.
 
-    `matrices`: of the placements, float64 (n, 3, 4). `instances`: their rows.
+    `matrices`: of the placements, float64 (n, 3, 4). `instances`: their rows, and after them those of lamps.
     """
 
     def __init__(self, builder, geometries, materials, world, placements, matrices, instances):
@@ -23,7 +23,7 @@ class MediaTables:
         materials["medium"] = [self._add(material.name, material.medium) for material in builder.materials]
         self.world_medium = self._add("World", builder.world_medium)
         self._fill_world(world, placements, matrices)
-        bare = [has_no_surface(materials, placement.materials) for placement in placements]
+        bare = [number for number, p in enumerate(placements) if has_no_surface(materials, p.materials)]
         instances["visibility"][bare] <<= BOUNDARY_SHIFT
 
     def tables(self):
