@@ -29,14 +29,10 @@ Written by `python -m blender_tests.against_cycles.node_states`.
 # What is left out of nodes that are translated
 PARTLY = {
     "ATTRIBUTE": "attributes of objects, instancers and view layers are 0",
-    "BSDF_GLASS": "Beckmann is GGX; no thin film",
-    "BSDF_GLOSSY": "Beckmann is GGX",
     "BSDF_HAIR": "a glossy surface instead",
     "BSDF_HAIR_PRINCIPLED": "a diffuse surface instead",
-    "BSDF_METALLIC": "Beckmann is GGX; no thin film",
-    "BSDF_PRINCIPLED": "one normal for coat and base; no thin film, no thin wall",
+    "BSDF_PRINCIPLED": "shadow rays do not pass smooth thin walls; emission is not dimmed by coat and sheen",
     "BSDF_RAY_PORTAL": "transparent instead",
-    "BSDF_REFRACTION": "Beckmann is GGX",
     "EEVEE_SPECULAR": "a Principled BSDF instead; Cycles does not render it at all",
     "LIGHT_PATH": "portals: 0; what samples a lamp or a world sees a depth of 0",
     "MIX": "rotations are not mixed",
