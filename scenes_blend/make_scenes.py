@@ -17,6 +17,9 @@ many_lights       a thousand lights in a hall
 interior          a room that is lit through one small window
 textured_emitter  a stage in the light of a picture
 materials         balls, each of another shader
+foggy_room        beams of light in fog, from a small lamp behind slats
+cloud             a ball as dense and white as a cloud, under sun and sky
+colored_glass     glass with colour, and with milk, inside
 
 The worlds of A. Desai, "Ray Tracing in Python", 2021, are those three boxes, three_spheres, and
 
@@ -50,6 +53,7 @@ from books import next_week, one_weekend, rest_of_your_life
 from boxes import cornell_box, cornell_glass, cornell_measured, cornell_mirror, cornell_smoke
 from crowds import instances, many_lights, random_spheres, three_spheres
 from daylight import interior, mesh_hdri, textured_emitter
+from fog import cloud, colored_glass, foggy_room
 from paper import (
     checkered_spheres,
     light_in_the_world,
@@ -68,7 +72,7 @@ SCENES = (
     *(instances, mesh_hdri, many_lights, interior, textured_emitter),
     *(normals_as_colors, two_diffuse_spheres, metals_and_fuzz, checkered_spheres, turbulent_noise),
     *(picture_around_sphere, light_in_the_world, picture_as_light, cornell_measured, cornell_smoke),
-    *(one_weekend, next_week, rest_of_your_life, materials),
+    *(one_weekend, next_week, rest_of_your_life, materials, foggy_room, cloud, colored_glass),
 )
 CYCLES = {  # what makes its pictures comparable: no short cuts
     "sample_clamp_direct": 0.0,

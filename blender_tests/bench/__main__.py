@@ -20,10 +20,12 @@ from rich.table import Table
 from .quiet import progress_bar, quiet_blender
 
 SCENES = Path(__file__).parents[2] / "scenes_blend"
+WITH_SCENES = ("noise", "volumes")
 PARTS = (
     "rays",
     "scaling",
     "noise",
+    "volumes",
     "integrators",
     "profile",
     "textures",
@@ -64,7 +66,7 @@ def measure(options, console):
 
 def run(part, options, console):
     module = importlib.import_module(f".{part}", __package__)
-    if part != "noise":
+    if part not in WITH_SCENES:
         return module.run(options.quick)
     with progress_bar(console) as tell:
         return module.run(options.quick, options.scenes, tell)
@@ -75,7 +77,9 @@ def parse():
     parser.add_argument("parts", nargs="*", metavar="PART", help=f"of {', '.join(PARTS)}; all without any")
     parser.add_argument("--json", type=Path, metavar="FILE")
     parser.add_argument("--quick", action="store_true", help="small and coarse, to see that it runs")
-    parser.add_argument("--scenes", default="", metavar="A,B", help="for noise: of scenes_blend, all without any")
+    parser.add_argument(
+        "--scenes", default="", metavar="A,B", help=f"for {' and '.join(WITH_SCENES)}: of scenes_blend, all without any"
+    )
     options = parser.parse_args()
     options.scenes = [name for name in options.scenes.split(",") if name]
     for part in options.parts:
