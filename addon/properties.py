@@ -66,7 +66,7 @@ class LambentSceneSettings(bpy.types.PropertyGroup):
     )
     use_guiding: BoolProperty(
         name="Guiding",
-        default=False,
+        default=True,
         description="Let paths learn from which directions light comes, where that makes for less noise: in rooms lit "
         "through windows or from wall to wall, and by caustics. Path integrator only",
     )

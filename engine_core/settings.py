@@ -42,7 +42,7 @@ class Settings(NamedTuple):
     adaptive: int = 1  # 1: more samples for pixels with more noise
     noise_target: float = 0.0  # 0: off; else the relative error of the picture at which it is good enough
     integrator: int = IntegratorKind.PATH
-    guiding: int = 0  # 1: paths learn where light comes from, if that pays; PATH only
+    guiding: int = 1  # 1: paths learn where light comes from, if that pays; PATH only
     max_bounces: int = 12
     diffuse_bounces: int = 4
     glossy_bounces: int = 4
