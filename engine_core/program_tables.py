@@ -139,6 +139,7 @@ OBJECT = np.dtype(
         ("texture_offset", "f4", (3,)),  # ... plus this
         ("first_prim", "i4"),  # row of TRIANGLE or SHAPE of its first one
         ("attributes", "i4"),  # row of ATTRIBUTE_MAP of attribute 0, or -1
+        ("number", "i4"),  # see INSTANCE_VALUE
     ]
 )
 REGISTERS = np.dtype([("value", "f4", (MAX_REGISTERS,))])
@@ -158,4 +159,6 @@ TEXEL = np.dtype([("word", "u4")])  # 4 bytes of pixels: rows of an image follow
 ATTRIBUTE_MAP = np.dtype([("first", "i4")])  # row of ATTRIBUTE of triangle 0 of an instance; -1: it has none; for each
 # instance as many rows as the scene has names of attributes
 ATTRIBUTE = np.dtype([("value", "f4", (3, 4))])  # of a triangle: at each corner
+# One for all of an instance: a block for each name, and in it a row for each instance, by the `number` of its OBJECT
+INSTANCE_VALUE = np.dtype([("value", "f4", (4,))])
 CELL = np.dtype([("cdf", "f4")])  # of the map by which the world is sampled, see light/background.py

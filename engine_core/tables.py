@@ -19,6 +19,7 @@ from .program_tables import (
     CLOSURE,
     CURVE,
     IMAGE,
+    INSTANCE_VALUE,
     KERNEL,
     OBJECT,
     OP,
@@ -138,6 +139,7 @@ class MaterialFlag(IntFlag):
     SUBSURFACE = 16  # has a SUBSURFACE lobe: rays walk below its surface, so objects of it have trees of their own
     OPAQUE_SHADOW = 32  # no shadow ray passes, even if it is transparent
     BOUNDARY = 64  # no surface: only where a medium begins
+    LOCAL = 128  # its programs send rays that ask for nothing but the object itself
 
 
 # ---- Geometry --------------------------------------------------------------------------------------------------------
@@ -175,6 +177,7 @@ SHAPE = np.dtype(
         ("slot", "i4"),
         ("instance", "i4"),  # as in TRIANGLE
         ("light", "i4"),  # a lamp: row of LIGHT; else as in TRIANGLE
+        ("number", "i4"),  # in its geometry
     ]
 )
 INSTANCE = np.dtype(
@@ -353,6 +356,7 @@ WORLD = np.dtype(
         ("map_width", "i4"),  # cells of the map that the world is sampled by; 0: from all sides alike
         ("map_height", "i4"),
         ("attribute_count", "i4"),  # rows of ATTRIBUTE
+        ("value_stride", "i4"),  # rows of INSTANCE_VALUE of each name
         ("background_light", "i4"),  # row of LIGHT; all directions, but those of its disk ...
         ("disk_light", "i4"),  # ... a row of its own: the sun in the picture of the sky; -1: there is none
         ("background_visibility", "i4"),
@@ -398,6 +402,7 @@ class Scene(Tables):
     texels = TEXEL
     attribute_maps = ATTRIBUTE_MAP
     attributes = ATTRIBUTE
+    instance_values = INSTANCE_VALUE
     lights = LIGHT
     light_nodes = LIGHT_NODE
     world_map = CELL

@@ -7,6 +7,7 @@ import numpy as np
 ACTIVE_COLOR = "<active colour>"  # names that no attribute of an artist has
 TANGENT = "<tangent> "
 ISLANDS = "<random per island>"
+POINTINESS = "<pointiness>"
 SIZES = {
     "FLOAT": 1,
     "INT": 1,
@@ -36,8 +37,9 @@ def wanted_names():
             names.add(TANGENT + node.uv_map)
         elif node.type == "VECTOR_DISPLACEMENT" and node.space == "TANGENT":
             names.add(TANGENT)
-        elif node.type == "NEW_GEOMETRY" and any(o.name == "Random Per Island" and o.is_linked for o in node.outputs):
-            names.add(ISLANDS)
+        elif node.type == "NEW_GEOMETRY":
+            linked = {output.identifier for output in node.outputs if output.is_linked}
+            names |= {name for name, of in ((ISLANDS, "Random Per Island"), (POINTINESS, "Pointiness")) if of in linked}
     return names
 
 
@@ -49,6 +51,8 @@ def mesh_attributes(b_mesh, corners, names):
             values = _tangents(b_mesh, name.removeprefix(TANGENT))
         elif name == ISLANDS:
             values = _islands(b_mesh)
+        elif name == POINTINESS:
+            values = _pointiness(b_mesh)
         else:
             values = _values(b_mesh, name)
         if values is not None:
@@ -108,12 +112,51 @@ def _tangents(b_mesh, uv_map):
     return np.concatenate([tangents.reshape(-1, 3), signs[:, None]], axis=1)
 
 
+def _edges(b_mesh):
+    """The two vertices of each edge, (2, edges)."""
+    edges = np.empty(len(b_mesh.edges) * 2, np.int32)
+    b_mesh.edges.foreach_get("vertices", edges)
+    return edges.reshape(-1, 2).T
+
+
+def _pointiness(b_mesh):
+    """How far each vertex stands out, 0 to 1, 0.5 where it is flat, as Cycles defines it; (loops, 3).
+
+    The angle between its normal and the mean direction of its edges, over pi, and then the mean of that over the vertex
+    and its neighbours. Vertices at one place count as one.
+    """
+    count = len(b_mesh.vertices)
+    positions, normals = np.empty((2, count * 3), np.float32)
+    b_mesh.attributes["position"].data.foreach_get("vector", positions)
+    b_mesh.vertex_normals.foreach_get("vector", normals)
+    places, place = np.unique(positions.reshape(-1, 3) + np.float32(0.0), axis=0, return_inverse=True)
+    place = place.ravel()
+    edges = np.unique(np.sort(place[_edges(b_mesh)], axis=0), axis=1)
+    a, b = edges[:, edges[0] != edges[1]]
+    normals = _sums(place, normals.reshape(-1, 3), len(places))
+    along = _unit(places[b] - places[a])
+    means = _sums(a, along, len(places)) - _sums(b, along, len(places))
+    degree = np.bincount(a, minlength=len(places)) + np.bincount(b, minlength=len(places))
+    cosine = (_unit(normals) * means).sum(axis=1) / np.maximum(degree, 1)
+    own = np.where(degree > 0, np.arccos(np.clip(cosine, -1.0, 1.0)) / np.pi, 0.0)
+    around = own + _sums(a, own[b, None], len(places))[:, 0] + _sums(b, own[a, None], len(places))[:, 0]
+    values = (around / (degree + 1)).astype(np.float32)[place]
+    return np.repeat(values[_owners(b_mesh, "POINT")][:, None], 3, axis=1)
+
+
+def _sums(owners, values, count):
+    """Sums of the rows of `values` by their owners, (count, columns)."""
+    return np.stack([np.bincount(owners, column, count) for column in values.T], axis=1)
+
+
+def _unit(vectors):
+    return vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-30)
+
+
 def _islands(b_mesh):
     """A random number for each connected part of the mesh, (loops, 3)."""
     count = len(b_mesh.vertices)
-    edges = np.empty(len(b_mesh.edges) * 2, np.int32)
-    b_mesh.edges.foreach_get("vertices", edges)
-    a, b = edges.reshape(-1, 2).T
+    a, b = _edges(b_mesh)
     island = np.arange(count)
     while True:  # each point takes the least number next to it, and then that point's own: few rounds
         least = island.copy()

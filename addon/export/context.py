@@ -23,6 +23,8 @@ class Context:
     images: dict = field(default_factory=dict)  # an image's address in Blender: its Image
     placed: dict | None = None  # with motion blur, what names an instance: its number in the builder
 
+    value_names: set = field(default_factory=set)  # of values of instances that materials so far ask for
+
     @property
     def scene(self):
         return self.depsgraph.scene_eval

@@ -10,6 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..core import Aim, Visibility
+from .hashes import hash_of_name, unit
+from .instance_values import InstanceValues
 from .light import aim_of, export_light
 from .material import export_materials
 from .mesh import first_slot, mesh_arrays, point_arrays, without_broken_triangles
@@ -46,6 +48,7 @@ class Source(NamedTuple):
 def export_instances(context):
     """Objects and lamps. Nothing of an instance may be kept: Blender reuses it for the next one."""
     geometries, sources, parents = {}, {}, {}
+    values = InstanceValues(context)
     for b_instance in context.depsgraph.object_instances:
         b_object = b_instance.object
         if b_instance.show_particles:
@@ -62,7 +65,8 @@ def export_instances(context):
         if b_object.type == "LIGHT":
             matrix = np.array(b_instance.matrix_world[:])
             random = _random(b_instance, b_object.name)
-            export_light(context, b_object, matrix, visibility & _visibility(context, b_object), random)
+            visibility &= _visibility(context, b_object)
+            export_light(context, b_object, matrix, visibility, random, lambda: values.of(b_instance))  # noqa: B023
             continue
 
         b_data = b_object.data
@@ -89,6 +93,7 @@ def export_instances(context):
             _random(b_instance, source.name),
             b_object.color,
             source.aim,
+            values=values.of(b_instance),
         )
 
 
@@ -164,28 +169,7 @@ def _is_holdout(context, b_object):
 def _random(b_instance, name):
     """A number from 0 to 1 that stays with an instance, or with the name of an object; the one that Cycles gives it."""
     number = b_instance.random_id if b_instance.is_instance else hash_of_name(name)
-    return (number & 0xFFFFFFFF) / 0xFFFFFFFF
-
-
-def hash_of_name(name):
-    """32 bits from a name: a polynomial of its bytes, mixed by Jenkins' lookup3 (2006)."""
-    polynomial = 0
-    for byte in name.encode():
-        polynomial = (polynomial * 37 + byte) & 0xFFFFFFFF
-    a = b = c = 0xDEADBEEF + 8 + 13
-    a = (a + polynomial) & 0xFFFFFFFF
-    c = _mixed(c, b, 14)
-    a = _mixed(a, c, 11)
-    b = _mixed(b, a, 25)
-    c = _mixed(c, b, 16)
-    a = _mixed(a, c, 4)
-    b = _mixed(b, a, 14)
-    return _mixed(c, b, 24)
-
-
-def _mixed(x, y, bits):
-    """(x ^ y) - (y rotated left)"""
-    return ((x ^ y) - (y << bits | y >> (32 - bits))) & 0xFFFFFFFF
+    return unit(number)
 
 
 def _warn_of_hair(context, b_object):

@@ -7,8 +7,9 @@ from ..core import Aim, LampShader, graph
 from . import nodes, units
 
 
-def export_light(context, b_object, to_world, visibility, random):
-    """Add one lamp. `to_world`: (4, 4), instances included; `visibility`: Visibility; `random`: 0 to 1."""
+def export_light(context, b_object, to_world, visibility, random, values):
+    """Add one lamp. `to_world`: (4, 4), instances included; `visibility`: Visibility; `random`: 0 to 1.
+    `values`: a function that gives what its nodes ask of this instance."""
     b_light = b_object.data
     name = b_object.name
     if getattr(getattr(b_light, "cycles", None), "is_portal", False):
@@ -21,7 +22,8 @@ def export_light(context, b_object, to_world, visibility, random):
     if graph.is_constant(factor):
         color = color * factor
     else:
-        rays["shader"] = LampShader(factor, to_world, random, tuple(b_object.color), b_object.pass_index)
+        told = random, tuple(b_object.color), b_object.pass_index, values()
+        rays["shader"] = LampShader(factor, to_world, *told)
     EXPORTERS[b_light.type](context.builder, name, b_light, to_world, color, rays)
 
 

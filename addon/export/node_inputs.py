@@ -6,7 +6,7 @@ import math
 import numpy as np
 
 from ..core import graph, opcodes
-from . import attributes
+from . import attributes, instance_values
 
 Op, InputVector, InputNumber = opcodes.Op, opcodes.InputVector, opcodes.InputNumber
 ZERO3 = (0.0, 0.0, 0.0)
@@ -22,6 +22,12 @@ def number_input(kind):
 
 def attribute(name, size=3, offset=0):
     return graph.part(graph.node(Op.ATTRIBUTE, data=name), offset, size)
+
+
+def instance_value(values, name, size=3, offset=0):
+    """What the whole instance has by that name."""
+    values.context.value_names.add(name)
+    return graph.part(graph.node(Op.INSTANCE_VALUE, data=name), offset, size)
 
 
 COORDINATES = {
@@ -49,6 +55,17 @@ OBJECT = {
     "Material Index": InputNumber.MATERIAL_INDEX,
     "Random": InputNumber.RANDOM,
 }
+PARTICLES = {  # name of the value, first float
+    "Index": (instance_values.PARTICLE, 0),
+    "Age": (instance_values.PARTICLE, 1),
+    "Lifetime": (instance_values.PARTICLE, 2),
+    "Size": (instance_values.PARTICLE, 3),
+    "Random": (instance_values.PARTICLE_LOCATION, 3),
+    "Location": (instance_values.PARTICLE_LOCATION, 0),
+    "Velocity": (instance_values.PARTICLE_VELOCITY, 0),
+    "Angular Velocity": (instance_values.PARTICLE_SPIN, 0),
+}
+POINTS = {"Position": (0, 3), "Radius": (3, 1), "Random": (4, 1)}  # first float, floats
 RAYS = {
     "Is Camera Ray": InputNumber.IS_CAMERA,
     "Is Shadow Ray": InputNumber.IS_SHADOW,
@@ -77,7 +94,8 @@ def _texture_coordinate(values, node, output, groups):
         rows = [tuple(float(x) for x in row[:3]) for row in matrix[:3]]
         return graph.node(Op.TRANSFORM, vector_input(InputVector.POSITION), *rows, tuple(matrix[:3, 3].tolist()))
     if node.from_instancer and output.identifier in ("Generated", "UV"):
-        values.warn(node, "coordinates of the instancer are not rendered yet; using those of the instance")
+        is_uv = output.identifier == "UV"
+        return instance_value(values, instance_values.INSTANCER_UV if is_uv else instance_values.INSTANCER_GENERATED)
     return _input(COORDINATES[output.identifier])
 
 
@@ -88,13 +106,21 @@ def _geometry(values, node, output, groups):
     if name == "Random Per Island":
         return attribute(attributes.ISLANDS, 1)
     if name == "Pointiness":
-        values.warn(node, "Pointiness is not rendered yet; using 0.5")
-        return 0.5
+        return attribute(attributes.POINTINESS, 1)
     return _input(GEOMETRY[name])
 
 
 def _object_info(values, node, output, groups):
     return _input(OBJECT[output.identifier])
+
+
+def _particle_info(values, node, output, groups):
+    name, offset = PARTICLES[output.identifier]
+    return instance_value(values, name, 3 if output.type == "VECTOR" else 1, offset)
+
+
+def _point_info(values, node, output, groups):
+    return graph.part(graph.node(Op.POINT_VALUE), *POINTS[output.identifier])
 
 
 def _light_path(values, node, output, groups):
@@ -122,20 +148,27 @@ def _uv_map(values, node, output, groups):
 
 
 def _attribute(values, node, output, groups):
-    if node.attribute_type != "GEOMETRY":
-        values.warn(node, "attributes of objects, instancers and view layers are not rendered yet; using 0")
-        return 0.0 if output.type == "VALUE" else ZERO3
-    return _attribute_output(node.attribute_name, output)
+    kind, name = node.attribute_type, node.attribute_name
+    if kind == "GEOMETRY":
+        return _attribute_output(graph.node(Op.ATTRIBUTE, data=name), output)
+    if kind == "VIEW_LAYER":
+        return _attribute_output(instance_values.layer_value(values.context, name), output)
+    owner = instance_values.OBJECT if kind == "OBJECT" else instance_values.INSTANCER
+    return _attribute_output(instance_value(values, owner + name, 4), output)
 
 
 def _color_attribute(values, node, output, groups):
-    return _attribute_output(node.layer_name or attributes.ACTIVE_COLOR, output)
+    return _attribute_output(graph.node(Op.ATTRIBUTE, data=node.layer_name or attributes.ACTIVE_COLOR), output)
 
 
-def _attribute_output(name, output):
+def _attribute_output(four, output):
+    """An output of the Attribute node, of the four floats that it found."""
     if output.identifier == "Alpha":
-        return attribute(name, 1, 3)
-    return graph.node(Op.AVERAGE, attribute(name)) if output.identifier == "Fac" else attribute(name)
+        return graph.part(four, 3)
+    color = graph.part(four, 0, 3)
+    if output.identifier != "Fac":
+        return color
+    return graph.node(Op.AVERAGE, color) if not graph.is_constant(color) else math.fsum(color) / 3.0
 
 
 # ---- Normals and angles ----------------------------------------------------------------------------------------------
@@ -193,6 +226,8 @@ FUNCTIONS = {
     "NEW_GEOMETRY": _geometry,
     "OBJECT_INFO": _object_info,
     "LIGHT_PATH": _light_path,
+    "PARTICLE_INFO": _particle_info,
+    "POINT_INFO": _point_info,
     "CAMERA": _camera_data,
     "UVMAP": _uv_map,
     "ATTRIBUTE": _attribute,

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Nodes that calculate: Blender's converters, colours and vectors. Functions take (values, node, output, groups)."""
 
+import math
+
 import numpy as np
 
 from ..core import CURVE_SIZE, graph, opcodes
@@ -246,6 +248,31 @@ def _normal(values, node, output, groups):
     return graph.part(graph.node(Op.VECTOR_MATH, *unit, ZERO3, 0.0, mode=opcodes.VectorMath.DOT_PRODUCT), 3)
 
 
+TILING = {  # first float, floats
+    "Segment Coordinates": (0, 3),
+    "Segment Width": (3, 1),
+    "Segment Rotation": (4, 1),
+    "Segment ID": (5, 1),
+}
+
+
+def _radial_tiling(values, node, output, groups):
+    vector = values.vector(node, groups, "Vector")
+    if graph.is_constant(vector):
+        vector = (*vector, 0.0, 0.0)[:3]  # its own value has two numbers
+    sides, roundness = (values.number(node, groups, name) for name in ("Sides", "Roundness"))
+    tile = graph.node(Op.RADIAL_TILING, vector, sides, roundness, mode=int(node.normalize))
+    return graph.part(tile, *TILING[output.identifier])
+
+
+def _squeeze(values, node, output, groups):
+    """A sigmoid of (value - centre) * width. Cycles has none of it; this is what Blender's own engines do."""
+    value, width, center = (values.number(node, groups, name) for name in ("Value", "Width", "Center"))
+    x = graph.node(Op.MATH, center, value, 0.0, mode=opcodes.Math.SUBTRACT)
+    power = graph.node(Op.MATH, math.e, graph.product(x, width), 0.0, mode=opcodes.Math.POWER)
+    return graph.node(Op.MATH, 1.0, graph.node(Op.MATH, power, 1.0, 0.0), 0.0, mode=opcodes.Math.DIVIDE)
+
+
 FUNCTIONS = {
     "RGB": _rgb,
     "VALUE": _value,
@@ -279,4 +306,6 @@ FUNCTIONS = {
     "VECTOR_ROTATE": _vector_rotate,
     "VECT_TRANSFORM": _vector_transform,
     "NORMAL": _normal,
+    "ShaderNodeRadialTiling": _radial_tiling,
+    "SQUEEZE": _squeeze,
 }

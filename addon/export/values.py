@@ -8,7 +8,7 @@ none is told by name, and its place is taken by a stand-in.
 import math
 
 from ..core import graph, opcodes
-from . import displacement, node_inputs, node_lights, node_textures, node_values
+from . import displacement, node_inputs, node_lights, node_probes, node_textures, node_values
 from .graph import by_identifier, source
 
 Op = opcodes.Op
@@ -16,11 +16,11 @@ DEEPEST, MOST_NODES = 150, 5000  # a tree may use a node many times over; beyond
 FUNCTIONS = {
     **node_values.FUNCTIONS,
     **node_inputs.FUNCTIONS,
+    **node_probes.FUNCTIONS,
     **node_textures.FUNCTIONS,
     **node_lights.FUNCTIONS,
     **displacement.FUNCTIONS,
 }
-STAND_INS = {"AMBIENT_OCCLUSION": 1.0, "WIREFRAME": 0.0}  # what unknown nodes are taken for
 
 
 class Values:
@@ -72,18 +72,13 @@ class Values:
             self.warn(node, f"more than {MOST_NODES} nodes, or {DEEPEST} in a row; what is behind is left out")
             return None
         if function is None:
-            return self._stand_in(node, output)
+            self.warn(node, f"{node.bl_label} is not rendered yet; using the socket's own value")
+            return None
         self._depth += 1
         try:
             return function(self, node, output, groups)
         finally:
             self._depth -= 1
-
-    def _stand_in(self, node, output):
-        value = STAND_INS.get(node.type)
-        text = "the socket's own value" if value is None else _text(value)
-        self.warn(node, f"{node.bl_label} is not rendered yet; using {text}")
-        return value
 
 
 def own_value(socket):
@@ -105,7 +100,3 @@ def converted(value, start, end):
 def _number(value, op):
     weights = (0.2126, 0.7152, 0.0722) if op == Op.LUMINANCE else (1.0 / 3.0,) * 3
     return math.fsum(v * w for v, w in zip(value, weights, strict=True))
-
-
-def _text(value):
-    return f"({', '.join(f'{v:.3g}' for v in value)})" if isinstance(value, tuple) else f"{value:.3g}"

@@ -13,7 +13,7 @@ import bpy
 
 from addon.export import volumes
 from addon.export.nodes import Translation
-from addon.export.values import FUNCTIONS, STAND_INS
+from addon.export.values import FUNCTIONS
 
 TARGET = Path(__file__).parents[2] / "docs" / "nodes.md"
 HEAD = """# Shader nodes
@@ -28,20 +28,20 @@ Written by `python -m blender_tests.against_cycles.node_states`.
 """
 # What is left out of nodes that are translated
 PARTLY = {
-    "ATTRIBUTE": "attributes of objects, instancers and view layers are 0",
     "BSDF_HAIR": "a glossy surface instead",
     "BSDF_HAIR_PRINCIPLED": "a diffuse surface instead",
     "BSDF_PRINCIPLED": "shadow rays do not pass smooth thin walls; emission is not dimmed by coat and sheen",
     "BSDF_RAY_PORTAL": "transparent instead",
     "EEVEE_SPECULAR": "a Principled BSDF instead; Cycles does not render it at all",
     "LIGHT_PATH": "portals: 0; what samples a lamp or a world sees a depth of 0",
+    "MATERIAL_RAYCAST": "attributes of what is hit are 0",
     "MIX": "rotations are not mixed",
-    "NEW_GEOMETRY": "Pointiness is 0.5",
-    "TEX_COORD": "coordinates from the instancer are those of the instance",
     "TEX_IMAGE": "of tiles and sequences the picture that Blender has loaded; colour spaces other than sRGB and linear "
     "ones of bytes are taken as sRGB",
     "PRINCIPLED_VOLUME": "attributes of volumes count as 1",
     "OUTPUT_MATERIAL": "the exporter reports what it leaves out of volume and displacement",
+    "SHADERTORGB": "as in Cycles, which renders none: the value of the socket that it is linked to",
+    "SQUEEZE": "as in Blender's own engines; Cycles does not render it at all",
     "OUTPUT_AOV": "no passes of one's own",
 }
 SEEN_THROUGH = {"GROUP", "GROUP_INPUT", "GROUP_OUTPUT", "REROUTE", "FRAME"}
@@ -85,8 +85,6 @@ def row(told):
         if note.endswith("instead") or "instead;" in note:
             return label, "stand-in", note
         return label, "partly" if note else "full", note
-    if kind in STAND_INS:
-        return label, "stand-in", f"{STAND_INS[kind]:g}"
     return label, "stand-in", note or "the value of the socket that it is linked to; a shader is black"
 
 

@@ -5,7 +5,7 @@ import bpy
 import numpy as np
 import pytest
 
-from blender_tests.helpers.node_sheet import compared
+from blender_tests.helpers.node_sheet import add, compared, named, position
 
 CASES = {}
 TOLERANCE = 1e-3  # of the value, or where that is below 1 of 1
@@ -24,31 +24,6 @@ def case(name, tolerance=TOLERANCE):
         return build
 
     return add
-
-
-def add(tree, kind, inputs=(), **properties):
-    """A new node. `inputs`: {name or number: a value, or a socket to link}."""
-    node = tree.nodes.new(f"ShaderNode{kind}")
-    for key, value in properties.items():
-        setattr(node, key, value)
-    for key, value in dict(inputs).items():
-        socket = node.inputs[key] if isinstance(key, int) else named(node.inputs, key)
-        if isinstance(value, bpy.types.NodeSocket):
-            tree.links.new(value, socket)
-        else:
-            socket.default_value = value
-    return node
-
-
-def named(sockets, identifier):
-    return next(s for s in sockets if s.identifier == identifier)
-
-
-def position(tree, scale=2.0, offset=(0.3, -0.2, 0.1)):
-    """Coordinates of the object, stretched: negative and positive, beyond -1 and 1."""
-    coordinates = tree.nodes.new("ShaderNodeTexCoord").outputs["Object"]
-    moved = add(tree, "VectorMath", {0: coordinates, 1: (scale,) * 3, 2: offset}, operation="MULTIPLY_ADD")
-    return moved.outputs[0]
 
 
 def component(tree, axis, **arguments):

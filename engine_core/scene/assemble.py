@@ -69,6 +69,9 @@ class _Assembly:
         add_generated(self.placements, self.geometries, shading.displacements)
         attributes, self.attribute_rows = shading.attributes(self.geometries)
         world["attribute_count"] = len(attributes["attributes"])
+        valued = [*self.placements, *self.builder.lamp_shaders]
+        world["value_stride"], self.objects["number"] = len(valued), np.arange(len(self.placements))
+        attributes |= shading.instance_values(valued)
         for root in ("triangle", "shape", "instance", "moving", "lamp", "target"):
             world[f"{root}_root"] = -1
         world["background_light"] = world["disk_light"] = -1
@@ -101,7 +104,7 @@ class _Assembly:
             **{name: np.zeros(0, Scene.dtypes()[name]) for name in ("light_nodes", "world_map", "targets")},
             camera=camera,
             world=world,
-            **attributes,
+            **attributes | shading.instance_values(valued),  # lamps may ask for more
             **media.tables(),
             **no_guide(),
             **shading.programs.tables(entries_needed(materials)),
@@ -313,6 +316,7 @@ class _Assembly:
         shaders = self.builder.lamp_shaders
         rows, told = instance_rows(shaders)
         first = len(self.instances)
+        told["number"] = np.arange(first, first + len(told))
         for light in self.lights:
             if light["lamp"] >= 0:
                 light["program"] = self.shading.lamp(shaders[light["lamp"]].factor)

@@ -15,6 +15,7 @@ asked, is told in `warnings`.
 
 import math
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -59,6 +60,7 @@ class Placement:
     color: tuple
     aim: Aim
     motion: np.ndarray | None  # float64 (n, 4, 4), see SceneBuilder.instance
+    values: dict  # name: up to 4 floats
 
 
 @dataclass
@@ -82,6 +84,7 @@ class LampShader(NamedTuple):
     random: float = 0.0
     color: tuple = (1.0, 1.0, 1.0, 1.0)
     pass_index: int = 0
+    values: dict = MappingProxyType({})  # name: up to 4 floats, for its program
 
 
 class SceneBuilder:
@@ -201,6 +204,7 @@ class SceneBuilder:
         color=(1.0, 1.0, 1.0, 1.0),
         aim=Aim.AUTOMATIC,
         motion=None,
+        values=None,
     ):
         """Let a geometry stand in the world; any number of times.
 
@@ -208,6 +212,7 @@ class SceneBuilder:
         `aim`: whether the mixture integrator sends rays at it.
         `motion`: (n, 4, 4), where it stands at n >= 2 times, evenly from the opening of the shutter to its closing, n
         being the same for all that move. `to_world` is then where it stands in the middle.
+        `values`: {name: up to 4 floats} of the instance, for shader programs.
         """
         if not 0 <= geometry < len(self.geometries):
             raise checks.SceneError(f"{name}: there is no geometry {geometry}")
@@ -227,6 +232,7 @@ class SceneBuilder:
                 tuple(color),
                 Aim(aim),
                 motion,
+                values or {},
             )
         )
 

@@ -3,7 +3,8 @@
 
 import numpy as np
 
-from ..program_tables import ATTRIBUTE, ATTRIBUTE_MAP, ClosureKind
+from ..integrator.probes import ask_the_object
+from ..program_tables import ATTRIBUTE, ATTRIBUTE_MAP, INSTANCE_VALUE, ClosureKind
 from ..shader import graph
 from ..shader.graph import GraphError
 from ..shader.program import ProgramTables
@@ -55,10 +56,13 @@ class Shading:
             (closure, {field: self.programs.constant(value) for field, value in varying.items()})
             for closure, varying in surface.closures
         ]
+        values = [v for _, varying in closures for v in varying.values()]
+        if ask_the_object([*values, surface.emission, surface.transparency]):
+            row["flags"] |= MaterialFlag.LOCAL
         lobes = np.zeros(0, LOBE)
         bent = any(row[name].any() for row, _ in closures for name in ("normal", "coat_normal", "tangent"))
         bent |= any(name in varying for _, varying in closures for name in ("normal", "coat_normal", "tangent"))
-        if bent or any(not graph.is_constant(value) for _, varying in closures for value in varying.values()):
+        if bent or any(not graph.is_constant(value) for value in values):
             row["program"] = self.programs.add(closures=closures)
             if any(closure["kind"] in TRANSMITTING_CLOSURES for closure, _ in closures):
                 row["flags"] |= MaterialFlag.TRANSMITS
@@ -124,6 +128,17 @@ class Shading:
         table["first"] = maps
         return {"attribute_maps": table, "attributes": np.concatenate(rows) if rows else np.zeros(0, ATTRIBUTE)}, firsts
 
+    def instance_values(self, owners):
+        """Table INSTANCE_VALUE: `owners` are all instances and lamps with programs, by the number of their OBJECT."""
+        names = self.programs.instance_values
+        table = np.zeros(len(names) * len(owners), INSTANCE_VALUE)
+        for block, name in enumerate(names):
+            for number, owner in enumerate(owners):
+                value = owner.values.get(name)
+                if value is not None:
+                    table["value"][block * len(owners) + number, : len(value)] = value
+        return {"instance_values": table}
+
 
 def _with(row, values):
     row = row.copy()
@@ -132,9 +147,9 @@ def _with(row, values):
     return row
 
 
-def scatters_below(materials, numbers):
-    """Whether rays walk below surfaces of one of these materials."""
-    return any(materials["flags"][number] & MaterialFlag.SUBSURFACE for number in numbers)
+def asks_itself(materials, numbers):
+    """Whether one of these materials sends rays that ask for the object alone, or lets them walk below its surface."""
+    return any(materials["flags"][number] & (MaterialFlag.SUBSURFACE | MaterialFlag.LOCAL) for number in numbers)
 
 
 def has_no_surface(materials, numbers):
@@ -143,9 +158,9 @@ def has_no_surface(materials, numbers):
 
 
 def needs_own_tree(materials, numbers):
-    """Whether an object of these materials keeps its tree though it stands in the world once: a walk below surfaces
-    asks no other, and rays that look for surfaces pass by those that have none."""
-    return scatters_below(materials, numbers) or has_no_surface(materials, numbers)
+    """Whether an object of these materials keeps its tree though it stands in the world once: some rays ask no other,
+    and those that look for surfaces pass by objects that have none."""
+    return asks_itself(materials, numbers) or has_no_surface(materials, numbers)
 
 
 def _scatters_below(closure, varying):

@@ -67,7 +67,7 @@ def quads(name, centres, u, v):
 def _rows(kind, centres, u=0.0, v=0.0, radius=0.0):
     rows = np.zeros(len(centres), SHAPE)
     rows["kind"], rows["p"], rows["u"], rows["v"], rows["radius"], rows["instance"] = kind, centres, u, v, radius, -1
-    rows["light"] = -1
+    rows["light"], rows["number"] = -1, np.arange(len(centres))
     return rows
 
 

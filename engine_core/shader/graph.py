@@ -165,7 +165,7 @@ def shifted(value, shift):
     moved = {}
     for at in nodes_below([value]):
         operands = tuple(_replace(operand, moved) for operand in at.operands)
-        is_input = at.op in (Op.INPUT_VECTOR, Op.INPUT_NUMBER, Op.ATTRIBUTE)
+        is_input = at.op in (Op.INPUT_VECTOR, Op.INPUT_NUMBER, Op.ATTRIBUTE, Op.WIREFRAME)
         if is_input or any(a is not b for a, b in zip(operands, at.operands, strict=True)):
             moved[at] = Node(at.op, operands, at.mode, at.data, shift if is_input else 0)
     return _replace(value, moved)

@@ -25,8 +25,10 @@ def run(scene, op, point, registers):
         give_number(op, registers, input_number(scene, point, op.mode))
     elif op.code == Op.INPUT_VECTOR:
         give_vector(op, registers, input_vector(scene, point, op.mode, op.shift))
-    else:
+    elif op.code == Op.ATTRIBUTE:
         attribute(scene, op, point, registers)
+    else:
+        instance_value(scene, op, point, registers)
 
 
 @kernel
@@ -223,6 +225,18 @@ def attribute(scene, op, point, registers):
     b0 = 1.0 - b1 - b2
     for k in range(4):
         store_float(registers, op.out + k, row.value[0, k] * b0 + row.value[1, k] * b1 + row.value[2, k] * b2)
+
+
+@kernel
+def instance_value(scene, op, point, registers):
+    """Four floats that belong to the whole instance; zeros in the world, which is none."""
+    for k in range(4):
+        store_float(registers, op.out + k, ZERO)
+    if point.instance < 0:
+        return
+    row = scene.instance_values[op.data * scene.world[0].value_stride + scene.objects[point.instance].number]
+    for k in range(4):
+        store_float(registers, op.out + k, row.value[k])
 
 
 # ---- The camera ------------------------------------------------------------------------------------------------------

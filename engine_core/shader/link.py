@@ -10,7 +10,7 @@ from ..linalg.records import numba_type, scratch_record
 from ..linalg.registers import call, load_float
 from ..program_tables import CLOSURE, KERNEL, OP, POINT, PROGRAM, REGISTERS
 from ..tables import BSDF, LIGHT, LOBE, Scene
-from . import closures, color, inputs, lighting, lookup, machine, maths, noises, patterns, vectors
+from . import closures, color, inputs, lighting, lines, lookup, machine, maths, noises, patterns, vectors
 from .opcodes import Entry
 
 FAMILIES = {
@@ -24,6 +24,7 @@ FAMILIES = {
     Entry.VORONOI: noises.run_voronoi,
     Entry.GABOR: noises.run_gabor,
     Entry.LIGHTING: lighting.run,
+    Entry.LINES: lines.run,
 }
 MACHINE = {
     Entry.SURFACE: (machine.run_surface, PROGRAM, BSDF),
@@ -37,6 +38,11 @@ _entries, _lock = {}, threading.Lock()
 def provide(entry, function, subject):
     """Let an entry point be found here that takes (scene, row of dtype `subject`, point, the same row again)."""
     _others[entry] = (function, subject, subject)
+
+
+def provide_family(entry, function):
+    """Let a family of operations be found here that a room above knows how to run."""
+    FAMILIES[entry] = function
 
 
 def address(entry):

@@ -37,12 +37,15 @@ class Entry(IntEnum):
     GABOR = 11
     SUBSURFACE = 12  # walk below a surface, see integrator/subsurface.py
     LIGHTING = 13
+    LINES = 14
+    PROBES = 15  # rays that programs send, see integrator/probes.py
 
 
 class Op(IntEnum):
     INPUT_VECTOR = 0
     INPUT_NUMBER = 1
     ATTRIBUTE = 2
+    INSTANCE_VALUE = 3
     MATH = 10
     VECTOR_MATH = 11
     CLAMP = 12
@@ -88,6 +91,12 @@ class Op(IntEnum):
     SKY = 120
     DAYLIGHT = 121
     IES = 122
+    WIREFRAME = 130
+    RADIAL_TILING = 131
+    POINT_VALUE = 132
+    OCCLUSION = 140
+    BEVEL = 141
+    RAYCAST = 142
 
 
 class InputVector(IntEnum):
@@ -185,6 +194,8 @@ class Daylight(IntEnum):
     HOSEK_WILKIE = 1
 
 
+ONLY_LOCAL = 1  # OCCLUSION, RAYCAST: a flag of their modes: rays meet the object itself alone
+INSIDE = 2  # OCCLUSION: the rays go inwards
 UNASSOCIATE = 64  # IMAGE: a flag of its mode: divide colours by alpha
 INVERTED = 1  # BUMP
 CLAMPED = 32  # MAP_RANGE, ROTATE and others: a flag of their modes: clamp the result, or the factor; or turn back
@@ -225,6 +236,7 @@ SIGNATURES = {
     Op.INPUT_VECTOR: Signature(Entry.INPUT, (), 3, len(InputVector), varies=True),
     Op.INPUT_NUMBER: Signature(Entry.INPUT, (), 1, len(InputNumber), varies=True),
     Op.ATTRIBUTE: Signature(Entry.INPUT, (), 4, 1, "attribute", varies=True),
+    Op.INSTANCE_VALUE: Signature(Entry.INPUT, (), 4, 1, "instance_values", varies=True),
     Op.MATH: Signature(Entry.MATHS, (1, 1, 1), 1, 2 * CLAMPED_RESULT),
     Op.VECTOR_MATH: Signature(Entry.MATHS, (3, 3, 3, 1), 4, len(VectorMath)),
     Op.CLAMP: Signature(Entry.MATHS, (1, 1, 1), 1, 2),
@@ -272,4 +284,14 @@ SIGNATURES = {
     # direction, nine shapes of channels, their factors, (angle to the vertical, azimuth, 0) of the sun
     Op.DAYLIGHT: Signature(Entry.LIGHTING, (3,) * 12, 3, len(Daylight)),
     Op.IES: Signature(Entry.LIGHTING, (3, 1), 1, 1, "images"),
+    # size; mode 1: in pixels
+    Op.WIREFRAME: Signature(Entry.LINES, (1,), 1, 2, varies=True),
+    # vector, sides, roundness; mode 1: normalized. Gives segment coordinates, width, rotation, number of the segment
+    Op.RADIAL_TILING: Signature(Entry.LINES, (3, 1, 1), 6, 2),
+    Op.POINT_VALUE: Signature(Entry.LINES, (), 5, 1, varies=True),  # centre, radius, random
+    # distance, normal (zero: that of the surface), samples
+    Op.OCCLUSION: Signature(Entry.PROBES, (1, 3, 1), 1, 4, varies=True),
+    Op.BEVEL: Signature(Entry.PROBES, (1, 3, 1), 3, 1, varies=True),  # radius, normal, samples
+    # position, direction, length. Gives whether it hits, whether itself, how far, where, the normal there
+    Op.RAYCAST: Signature(Entry.PROBES, (3, 3, 1), 9, 2, varies=True),
 }

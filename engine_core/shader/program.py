@@ -18,12 +18,13 @@ FIELDS = {name: CLOSURE.fields[name][1] // 4 for name in CLOSURE.names}  # numbe
 
 
 class ProgramTables:
-    """All programs of a scene, as they grow. `attributes`: names that programs ask for, by their numbers."""
+    """All programs of a scene, as they grow. `attributes`, `instance_values`: names that programs ask for, by their
+    numbers."""
 
     def __init__(self):
         self.programs, self.ops, self.closures, self.patches = [_program(0, 0, 0, 0)], [], [], []
         self.curves, self.images, self.texels = [], [], []
-        self.attributes = []
+        self.attributes, self.instance_values = [], []
         self._rows, self._texel_count = {}, 0  # of curves and images
 
     def add(self, result=(0.0, 0.0, 0.0), closures=()):
@@ -119,10 +120,11 @@ class ProgramTables:
     def _data(self, table, data):
         if not table:
             return 0
-        if table == "attribute":
-            if data not in self.attributes:
-                self.attributes.append(data)
-            return self.attributes.index(data)
+        if table in ("attribute", "instance_values"):
+            names = self.attributes if table == "attribute" else self.instance_values
+            if data not in names:
+                names.append(data)
+            return names.index(data)
         if data not in self._rows:
             self._rows[data] = self._add_curve(data) if table == "curves" else self._add_image(data)
         return self._rows[data]

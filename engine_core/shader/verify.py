@@ -56,6 +56,13 @@ def _ops(tables):
             most = rows["data"].max(initial=-1)
             if rows["data"].min(initial=0) < 0 or most + used.max(initial=-1) >= max(len(tables["attribute_maps"]), 1):
                 yield "attributes lead outside of their table"
+        elif signature.table == "instance_values" and len(rows):
+            stride, numbers = int(tables["world"]["value_stride"][0]), tables["objects"]["number"]
+            most = (int(rows["data"].max()) + 1) * stride
+            if rows["data"].min() < 0 or stride < 0 or most > len(tables["instance_values"]):
+                yield "values of instances lead outside of their table"
+            if len(numbers) and not 0 <= numbers.min() <= numbers.max() < stride:
+                yield "instances have no values of their own"
     if not known.all():
         yield "there are steps of no known operation"
 
