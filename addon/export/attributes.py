@@ -48,8 +48,10 @@ def mesh_attributes(b_mesh, corners, names):
     found = {}
     for name in names:
         if name.startswith(TANGENT):
-            values = _tangents(b_mesh, name.removeprefix(TANGENT))
-        elif name == ISLANDS:
+            tangents = _tangents(b_mesh, corners, name.removeprefix(TANGENT))
+            found |= {} if tangents is None else {name: tangents}
+            continue
+        if name == ISLANDS:
             values = _islands(b_mesh)
         elif name == POINTINESS:
             values = _pointiness(b_mesh)
@@ -94,22 +96,67 @@ def _owners(b_mesh, domain):
     return np.arange(count)
 
 
-def _tangents(b_mesh, uv_map):
-    """Tangents of a UV map and the signs of bitangents, (loops, 4); None without that map."""
+def _tangents(b_mesh, corners, uv_map):
+    """Tangents of a UV map and the signs of bitangents at the corners of the triangles, (n, 3, 4); None without that
+    map. They are those of triangles, as in Cycles; Blender itself has none for faces of more than four corners."""
     layers = b_mesh.uv_layers
     name = uv_map or next((uv.name for uv in layers if uv.active_render), "")
     if name not in layers:
         return None
+    triangles = _triangulated(b_mesh, corners.ravel(), name)
     try:
-        b_mesh.calc_tangents(uvmap=name)
-    except RuntimeError:  # Blender gives none to faces of more than four corners
-        return None
+        return _mesh_tangents(triangles, name).reshape(-1, 3, 4)
+    finally:
+        bpy.data.meshes.remove(triangles)
+
+
+def _mesh_tangents(b_mesh, name):
+    """(loops, 4)"""
+    b_mesh.calc_tangents(uvmap=name)
     count = len(b_mesh.loops)
     tangents, signs = np.empty(count * 3, np.float32), np.empty(count, np.float32)
     b_mesh.loops.foreach_get("tangent", tangents)
     b_mesh.loops.foreach_get("bitangent_sign", signs)
     b_mesh.free_tangents()
     return np.concatenate([tangents.reshape(-1, 3), signs[:, None]], axis=1)
+
+
+def _triangulated(b_mesh, corners, name):
+    """A mesh of the triangles alone, with the normals of the other and its UV map `name`. `corners`: (3 n,).
+
+    Triangles of flat faces have normals of their own, as in Cycles: where rounding tells two of them apart, so do the
+    tangents at their corners.
+    """
+    result, count = bpy.data.meshes.new("Triangles"), len(corners)
+    result.vertices.add(len(b_mesh.vertices))
+    result.loops.add(count)
+    result.polygons.add(count // 3)
+    positions, normals = np.empty(len(b_mesh.vertices) * 3, np.float32), np.empty(len(b_mesh.loops) * 3, np.float32)
+    uvs = np.empty(len(b_mesh.loops) * 2, np.float32)
+    b_mesh.attributes["position"].data.foreach_get("vector", positions)
+    b_mesh.corner_normals.foreach_get("vector", normals)
+    b_mesh.uv_layers[name].uv.foreach_get("vector", uvs)
+    result.attributes["position"].data.foreach_set("vector", positions)
+    vertices = _owners(b_mesh, "POINT")[corners]
+    result.loops.foreach_set("vertex_index", vertices)
+    result.polygons.foreach_set("loop_start", np.arange(0, count, 3, dtype=np.int32))
+    result.uv_layers.new(name=name).uv.foreach_set("vector", uvs.reshape(-1, 2)[corners].ravel())
+    result.update(calc_edges=True)
+    p0, p1, p2 = positions.reshape(-1, 3)[vertices].reshape(-1, 3, 3).swapaxes(0, 1)
+    own = _unit(np.cross(p1 - p0, p2 - p0)).astype(np.float32)
+    normals = np.where(_flat(b_mesh)[corners][:, None], np.repeat(own, 3, axis=0), normals.reshape(-1, 3)[corners])
+    result.attributes.new("custom_normal", "FLOAT_VECTOR", "CORNER").data.foreach_set("vector", normals.ravel())
+    return result
+
+
+def _flat(b_mesh):
+    """Which corners belong to flat faces, bool (loops,)."""
+    sharp = b_mesh.attributes.get("sharp_face")
+    if sharp is None:
+        return np.full(len(b_mesh.loops), b_mesh.normals_domain == "FACE")
+    values = np.empty(len(b_mesh.polygons), bool)
+    sharp.data.foreach_get("value", values)
+    return values[_owners(b_mesh, "FACE")]
 
 
 def _edges(b_mesh):

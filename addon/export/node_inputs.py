@@ -204,11 +204,19 @@ def turned(vector, axis, turns):
     return graph.node(Op.ROTATE, vector, ZERO3, axis, angle, ZERO3, mode=opcodes.Rotation.AXIS_ANGLE)
 
 
+def _vectors(a, b, mode):
+    return graph.part(graph.node(Op.VECTOR_MATH, a, b, ZERO3, 0.0, mode=mode), 0, 3)
+
+
 def _tangent(values, node, output, groups):
     if node.direction_type == "UV_MAP":
         tangent = attribute(attributes.TANGENT + node.uv_map)
         mode = 18 + opcodes.Space.OBJECT * 3 + opcodes.Space.WORLD
-        return graph.node(Op.CHANGE_SPACE, tangent, mode=mode)
+        tangent, normal = graph.node(Op.CHANGE_SPACE, tangent, mode=mode), vector_input(InputVector.NORMAL)
+        across = _vectors(
+            _vectors(tangent, normal, opcodes.VectorMath.CROSS_PRODUCT), ZERO3, opcodes.VectorMath.NORMALIZE
+        )
+        return _vectors(normal, across, opcodes.VectorMath.CROSS_PRODUCT)
     return vector_input(InputVector["RADIAL_TANGENT" if node.axis == "Z" else f"RADIAL_TANGENT_{node.axis}"])
 
 

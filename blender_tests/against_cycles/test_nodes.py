@@ -278,7 +278,6 @@ def _(tree):
 
 
 for space in ("TANGENT", "OBJECT", "WORLD"):
-    # the square is bent, and Cycles' tangents are those of a smooth surface
     case(f"Normal Map {space}", tolerance=0.01 if space == "TANGENT" else TOLERANCE)(
         lambda tree, space=space: add(
             tree, "NormalMap", {"Color": (0.7, 0.4, 0.9, 1.0), "Strength": 0.8}, space=space
@@ -311,7 +310,7 @@ for output in (0, 1):
             tree, "TexWhiteNoise", {0: add(tree, "VectorMath", {0: position(tree, 4.0)}, operation="FLOOR").outputs[0]}
         ).outputs[output]
     )
-case("Tangent UV", tolerance=0.01)(lambda tree: add(tree, "Tangent", direction_type="UV_MAP").outputs[0])
+case("Tangent UV")(lambda tree: add(tree, "Tangent", direction_type="UV_MAP").outputs[0])
 case("Gradient")(lambda tree: texture(tree, "TexGradient", gradient_type="RADIAL"))
 case("Noise ridged", tolerance=5e-3)(
     lambda tree: texture(tree, "TexNoise", noise_dimensions="4D", noise_type="RIDGED_MULTIFRACTAL")

@@ -4,6 +4,7 @@
 import bpy
 import numpy as np
 import pytest
+from mathutils import Vector
 
 from blender_tests.helpers.cycles import cycles_picture
 from blender_tests.helpers.engines import open_for_both, render_with
@@ -114,6 +115,19 @@ def as_a_rough_ball(where, b_material):
     ball.data.materials.append(b_material)
 
 
+def as_a_drum(where, b_material):
+    """Smooth and flat faces of seven and of four corners, with a UV map that is torn and turned."""
+    bpy.ops.mesh.primitive_cylinder_add(vertices=7, radius=0.4, depth=0.5, location=where)
+    drum = bpy.context.object
+    uvs = drum.data.uv_layers.active.uv
+    for number, corner in enumerate(uvs):
+        corner.vector += Vector((0.07 * (number % 5), 0.11 * (number % 3)))
+    drum.rotation_euler = (0.7, 0.4, 0.2)
+    for polygon in drum.data.polygons:
+        polygon.use_smooth = polygon.index % 3 > 0
+    drum.data.materials.append(b_material)
+
+
 INSTANCER = {"attribute_type": "INSTANCER"}
 CASES = {
     "generated of the instancer": (on_faces, ("Generated", "TexCoord", 1.0, 1.0), {"from_instancer": True}),
@@ -140,6 +154,7 @@ CASES = {
     "position of points": (as_points, ("Position", "PointInfo", 0.1), {}),
     "radius of points": (as_points, ("Radius", "PointInfo", 3.0), {}),
     "random of points": (as_points, ("Random", "PointInfo"), {}),
+    "tangents": (as_a_drum, ("Tangent", "Tangent", 0.5, 0.5), {"direction_type": "UV_MAP"}),
     "pointiness": (as_a_rough_ball, ("Pointiness", "NewGeometry"), {}),
 }
 COLUMNS = 6
