@@ -37,5 +37,5 @@ Scene, Visibility = (getattr(_import("tables"), name) for name in ("Scene", "Vis
 SceneBuilder, LampShader = (getattr(_import("scene.builder"), name) for name in ("SceneBuilder", "LampShader"))
 SceneError = _import("scene.checks").SceneError
 compile_all_programs = _import("shader.link").compile_all
-Aim = _import("scene.targets").Aim
+Aim, Terminator = _import("scene.targets").Aim, _import("scene.terminator").Terminator
 Render = _import("integrator.tiles").Render

@@ -55,6 +55,7 @@ CLOSURE = np.dtype(
         ("layer", "i4"),  # as in LOBE
         ("multiscatter", "i4"),
         ("facets", "i4"),  # Facets
+        ("loose", "i4"),  # as in LOBE
         ("subsurface", "i4"),  # SubsurfaceKind
         ("patches", "i4"),  # rows of PATCH: fields that the program fills in
         ("patch_count", "i4"),
@@ -133,13 +134,15 @@ POINT = np.dtype(
     ]
 )
 OBJECT = np.dtype(
-    [  # what programs ask of an instance: row for row with INSTANCE
+    [  # what is asked of an instance by programs, and where it meets its own shadow: row for row with INSTANCE
         ("color", "f4", (4,)),
         ("texture_scale", "f4", (3,)),  # generated coordinates: object space times this ...
         ("texture_offset", "f4", (3,)),  # ... plus this
         ("first_prim", "i4"),  # row of TRIANGLE or SHAPE of its first one
         ("attributes", "i4"),  # row of ATTRIBUTE_MAP of attribute 0, or -1
         ("number", "i4"),  # see INSTANCE_VALUE
+        ("lift_below", "f4"),  # shadow rays at a cosine below this leave from where its smooth surface would be
+        ("shadow_stretch", "f4"),  # angles to its normals count for so much in how bright it is; 1: for what they are
     ]
 )
 REGISTERS = np.dtype([("value", "f4", (MAX_REGISTERS,))])

@@ -140,6 +140,7 @@ class MaterialFlag(IntFlag):
     OPAQUE_SHADOW = 32  # no shadow ray passes, even if it is transparent
     BOUNDARY = 64  # no surface: only where a medium begins
     LOCAL = 128  # its programs send rays that ask for nothing but the object itself
+    PANE = 256  # may have a smooth thin wall, which shadow rays pass as if it were transparent
 
 
 # ---- Geometry --------------------------------------------------------------------------------------------------------
@@ -213,6 +214,11 @@ LOBE = np.dtype(
         ("alpha_x", "f4"),  # microfacet widths, roughness ** 2; 0 is a perfect mirror
         ("alpha_y", "f4"),
         ("facets", "i4"),  # Facets: of what shape the bumps of microfacets are
+        (
+            "loose",
+            "i4",
+        ),  # DIELECTRIC, REFRACTION: 1: light is refracted, too, where no microfacet would send a ray: what
+        # Cycles shows of rough glass under lamps, more than there is
         ("ior", "f4"),  # inside over outside, as on the material; at a hit: far side over near side
         ("fresnel", "i4"),  # FresnelKind; SUBSURFACE: SubsurfaceKind
         ("film_thickness", "f4"),  # nanometres of a thin film over microfacets; 0: there is none
@@ -239,6 +245,7 @@ BSDF = np.dtype(
         ("cell", "i4"),  # row of GUIDE_CELL that guides what it scatters, or -1 ...
         ("guided", "f4"),  # ... and the share of the directions that come from there
         ("ng", "f4", (3,)),  # geometric normal, on the side of wo
+        ("shadow_stretch", "f4"),  # as in OBJECT
         ("frame_count", "i4"),
         ("frame", "i4"),  # while it is made: the frame of the lobes that are being added
         ("frames", FRAME, (MAX_FRAMES,)),  # frame 0 has the smooth normal of the surface, the others bent ones
@@ -373,6 +380,8 @@ WORLD = np.dtype(
         ("camera_in_media", "i4"),  # 1: the camera may stand in the medium of an object
         ("centre", "f4", (3,)),  # of a ball around everything
         ("radius", "f4"),
+        ("lift_below", "f4"),  # the largest in OBJECT of what has smooth normals
+        ("stretches_shadows", "i4"),  # 1: some shadow_stretch in OBJECT is not 1
     ]
 )
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..core import Aim, Visibility
+from ..core import Aim, Terminator, Visibility
 from .hashes import hash_of_name, unit
 from .instance_values import InstanceValues
 from .light import aim_of, export_light
@@ -43,6 +43,7 @@ class Source(NamedTuple):
     visibility: Visibility
     pass_index: int
     aim: Aim
+    terminator: Terminator
 
 
 def export_instances(context):
@@ -94,13 +95,14 @@ def export_instances(context):
             b_object.color,
             source.aim,
             values=values.of(b_instance),
+            terminator=source.terminator,
         )
 
 
 def _source(context, b_object, geometries):
     geometry = _geometry(context, b_object, geometries)
     if geometry is None:
-        return Source(None, (), b_object.name, Visibility.ALL, 0, Aim.AUTOMATIC)
+        return Source(None, (), b_object.name, Visibility.ALL, 0, Aim.AUTOMATIC, Terminator())
     materials = export_materials(context, b_object)
     if type(b_object.data).__name__ != "Mesh" or _shape(b_object) != "MESH":
         materials = (materials[min(first_slot(b_object.data), len(materials) - 1)],)
@@ -113,7 +115,8 @@ def _source(context, b_object, geometries):
     if context.placed is not None and deforms(b_object):
         context.warn(b_object.name, "its deformation is not blurred yet, only its movement")
     visibility = _visibility(context, b_object)
-    return Source(geometry, materials, b_object.name, visibility, b_object.pass_index, aim_of(b_object))
+    terminator = Terminator(b_object.shadow_terminator_geometry_offset, b_object.shadow_terminator_shading_offset)
+    return Source(geometry, materials, b_object.name, visibility, b_object.pass_index, aim_of(b_object), terminator)
 
 
 def _geometry(context, b_object, geometries):

@@ -176,12 +176,14 @@ class Translation:
         return m.Metallic(i.color("Base Color"), i.color("Edge Tint"), **common)
 
     def _bsdf_glass(self, i):
-        values = {"normal": i.normal(), **i.distribution(), **i.film()}
+        values = {"normal": i.normal(), "loose": True, **i.distribution(), **i.film()}
         return m.Glass(i.color("Color"), i.number("Roughness"), i.number("IOR"), **values)
 
     def _bsdf_refraction(self, i):
         is_beckmann = i.distribution()["is_beckmann"]
-        return m.Refraction(i.color("Color"), i.number("Roughness"), i.number("IOR"), i.normal(), is_beckmann)
+        return m.Refraction(
+            i.color("Color"), i.number("Roughness"), i.number("IOR"), i.normal(), is_beckmann, loose=True
+        )
 
     def _bsdf_principled(self, i):
         anisotropy, tangent = i.anisotropy("Anisotropic", "Anisotropic Rotation")
@@ -209,6 +211,7 @@ class Translation:
             emission_strength=i.number("Emission Strength"),
             multiscatter=i.distribution()["multiscatter"],
             thin_wall=i.number_or("Thin Wall", 0.0),
+            loose=True,
             **i.film(),
             normal=i.normal(),
             coat_normal=i.normal("Coat Normal"),

@@ -30,7 +30,6 @@ Written by `python -m blender_tests.against_cycles.node_states`.
 PARTLY = {
     "BSDF_HAIR": "a glossy surface instead",
     "BSDF_HAIR_PRINCIPLED": "a diffuse surface instead",
-    "BSDF_PRINCIPLED": "shadow rays do not pass smooth thin walls; emission is not dimmed by coat and sheen",
     "BSDF_RAY_PORTAL": "transparent instead",
     "EEVEE_SPECULAR": "a Principled BSDF instead; Cycles does not render it at all",
     "LIGHT_PATH": "portals: 0; what samples a lamp or a world sees a depth of 0",

@@ -79,7 +79,7 @@ def _scene(closures, cosines):
     scene.camera.location = (columns / 2, rows / 2, 100)
     for new in (scene.camera, sun, bpy.data.objects.new("Squares", mesh)):
         scene.collection.objects.link(new)
-    new.visible_shadow = False  # the squares stand in each other's way
+    new.visible_shadow = new.visible_diffuse = new.visible_glossy = False  # the squares stand in each other's way
     scene.render.resolution_x, scene.render.resolution_y = columns * PIXELS, rows * PIXELS
     enable_cycles()
     set_up_cycles(scene, samples=1)

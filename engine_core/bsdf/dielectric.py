@@ -19,7 +19,7 @@ def evaluate_and_pdf(lobe, wo, wi):
     if wo.z <= 0.0 or wi.z == 0.0 or microfacet.passes_straight(lobe):
         return nothing()
     is_reflection = wi.z > 0.0
-    h, cos_h, jacobian = microfacet.half_vector(wo, wi, 1.0 if is_reflection else lobe.ior)
+    h, cos_h, jacobian = microfacet.half_vector(lobe, wo, wi, 1.0 if is_reflection else lobe.ior)
     if jacobian == 0.0:
         return nothing()
     reflected, refracted, p, _ = halves(lobe, cos_h)

@@ -28,6 +28,7 @@ from .lobe import ONE, ZERO, is_matt
 from .microfacet import is_smooth, passes_straight
 
 BELOW_ONE = np.float32(1.0 - 2.0**-24)
+HALF_PI = np.float32(0.5 * math.pi)
 
 
 class BsdfSample(NamedTuple):
@@ -59,7 +60,14 @@ def pdf(bsdf, wo, wi):
 @kernel
 def evaluate_and_pdf(bsdf, wo, wi):
     """(f |cos(wi)|, pdf)"""
-    return _sum_lobes(bsdf, wo, wi, -1)
+    return _sum_lobes(bsdf, wo, wi, -1, load3(bsdf, "ng"))
+
+
+@kernel
+def evaluate_lit(bsdf, wo, wi, n):
+    """The same for light from wi, the sides of the face being those of `n`: a smooth one may be lit by what is below
+    the horizon of the flat one."""
+    return _sum_lobes(bsdf, wo, wi, -1, n)
 
 
 @kernel
@@ -78,11 +86,13 @@ def sample(bsdf, wo, u_lobe, u0, u1):
     weight, density = load3(lobe, "weight") * s.weight, pmf * s.pdf
     if lobe.frame > 0 and not s.is_delta:
         weight = weight * bump_shadowing(bsdf, lobe, wi)
+    if bsdf.shadow_stretch > 1.0 and not is_transmission:
+        weight = weight * _stretched(bsdf.shadow_stretch, s.wi.z)
     if bsdf.count > 1:
         if s.is_delta:
             weight = weight * (1.0 / pmf)
         else:
-            f, others = _sum_lobes(bsdf, wo, wi, chosen)
+            f, others = _sum_lobes(bsdf, wo, wi, chosen, load3(bsdf, "ng"))
             f, density = f + weight * s.pdf, others + density
             weight = f * (1.0 / density)
     return BsdfSample(wi, weight, density, lobe.kind, s.is_delta, is_transmission)
@@ -103,7 +113,7 @@ def kind_of_lobe(bsdf, wo, wi, u):
     """Kind of a lobe that scatters to wi: of several one by chance, as often as it is the one that chooses wi."""
     if bsdf.count == 1:
         return bsdf.lobes[0].kind
-    _, total = _sum_lobes(bsdf, wo, wi, -1)
+    _, total = _sum_lobes(bsdf, wo, wi, -1, load3(bsdf, "ng"))
     rest, kind = u * total, bsdf.lobes[0].kind
     for i in range(bsdf.count):
         lobe = bsdf.lobes[i]
@@ -190,10 +200,10 @@ def _choose_lobe(bsdf, u):
 
 
 @kernel
-def _sum_lobes(bsdf, wo, wi, but):
-    """(sum f, sum pmf pdf) over all lobes but one."""
+def _sum_lobes(bsdf, wo, wi, but, n):
+    """(sum f, sum pmf pdf) over all lobes but one, where they agree with `n` on which side wi is."""
     f, density = BLACK, ZERO
-    is_above = dot(load3(bsdf, "ng"), wi) > 0.0
+    is_above = dot(n, wi) > 0.0
     frame, wo_local, wi_local = -1, wo, wi
     for i in range(bsdf.count):
         lobe = bsdf.lobes[i]
@@ -206,6 +216,8 @@ def _sum_lobes(bsdf, wo, wi, but):
                 lit = load3(lobe, "weight") * value.f
                 if frame > 0:
                     lit = lit * bump_shadowing(bsdf, lobe, wi)
+                if bsdf.shadow_stretch > 1.0:
+                    lit = lit * _stretched(bsdf.shadow_stretch, wi_local.z)
                 f, density = f + lit, density + lobe.pmf * value.pdf
     return f, density
 
@@ -241,6 +253,16 @@ def bump_shadowing(bsdf, lobe, wi):
         return ZERO
     alpha2 = min(0.125 * (1.0 / cos2_d - 1.0), 1.0)
     return 2.0 / (1.0 + math.sqrt(1.0 + alpha2 * (1.0 / cos2_i - 1.0)))
+
+
+@kernel
+def _stretched(factor, cos):
+    """Of light that a lobe reflects at that cosine to its normal, the share that is left if angles were larger by a
+    factor: so shadows set in before faces turn away (Blender's Shading Offset of the shadow terminator)."""
+    if cos <= 0.0:
+        return ONE
+    angle = factor * math.acos(min(cos, ONE))
+    return math.cos(angle) / cos if angle < HALF_PI else ZERO
 
 
 # ---- Preparation -----------------------------------------------------------------------------------------------------

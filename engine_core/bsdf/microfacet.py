@@ -17,7 +17,7 @@ from ..tables import Facets
 from . import beckmann
 from .lobe import ONE, ZERO
 
-SMOOTH = np.float32(5e-7)  # alpha_x * alpha_y below which a lobe is a perfect mirror: Cycles' threshold in Blender 4.5
+SMOOTH = np.float32(2e-10)  # alpha_x * alpha_y below which a lobe is a perfect mirror: Cycles' threshold in Blender 5.2
 MATCHED = np.float32(1e-4)  # |ior - 1| below which light is not bent, however rough the surface
 
 
@@ -47,9 +47,10 @@ def distribution(lobe, h):
     if lobe.facets == Facets.BECKMANN:
         return beckmann.distribution(lobe, h)
     both = lobe.alpha_x * lobe.alpha_y
-    x, y, z = h.x * lobe.alpha_y, h.y * lobe.alpha_x, h.z * both
-    r2 = x * x + y * y + z * z  # of h squeezed by the widths, times their product squared: one division in all
-    return INV_PI * both * both * both / (r2 * r2)
+    one = 1.0 / both
+    x, y = h.x * lobe.alpha_y * one, h.y * lobe.alpha_x * one  # h squeezed by the widths, which may be tiny
+    r2 = x * x + y * y + h.z * h.z
+    return INV_PI * one / (r2 * r2)
 
 
 # ---- Visible normals -------------------------------------------------------------------------------------------------
@@ -141,18 +142,19 @@ def refract(wo, h, cos_h, cos_t, ior):
 
 
 @kernel
-def half_vector(wo, wi, ior):
+def half_vector(lobe, wo, wi, ior):
     """(h, wo . h, d omega_h / d omega_i): the microfacet that takes wo to wi; the last is 0 if none does.
 
-    `ior` is 1 for reflection (Walter et al. 2007, equations 13 to 17).
+    `ior` is 1 for reflection (Walter et al. 2007, equations 13 to 17). A `loose` lobe takes the microfacet that would
+    if it were seen from behind.
     """
     v = wo + wi * ior
     length2 = dot(v, v)
     h = v * ((1.0 if v.z > 0.0 else -1.0) / math.sqrt(length2))
     cos_o, cos_i = dot(wo, h), dot(wi, h)
-    if cos_o <= 0.0 or (cos_i > 0.0) != (wi.z > 0.0):
+    if lobe.loose == 0 and (cos_o <= 0.0 or (cos_i > 0.0) != (wi.z > 0.0)):
         return h, cos_o, ZERO
-    return h, cos_o, ior * ior * abs(cos_i) / length2
+    return h, abs(cos_o), ior * ior * abs(cos_i) / length2
 
 
 @kernel

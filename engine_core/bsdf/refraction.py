@@ -15,7 +15,7 @@ from .lobe import ONE, UP, LobeSample, LobeValue, no_direction, nothing
 def evaluate_and_pdf(lobe, wo, wi):
     if wo.z <= 0.0 or wi.z >= 0.0 or microfacet.passes_straight(lobe):
         return nothing()
-    h, cos_h, jacobian = microfacet.half_vector(wo, wi, lobe.ior)
+    h, cos_h, jacobian = microfacet.half_vector(lobe, wo, wi, lobe.ior)
     if jacobian == 0.0:
         return nothing()
     so = microfacet.stretched_length(lobe, wo)

@@ -13,16 +13,20 @@ from ..light.background import is_in_disk
 from ..light.select import pmf, select
 from ..light.triangle import row_at
 from ..linalg.ray import offset_ray_origin
+from ..linalg.registers import call
 from ..linalg.vec3 import BLACK, WHITE, Vec3, dot, is_black, load3, normalize
 from ..sampling.mis import power_heuristic
 from ..shader.evaluate import light_radiance, run_program
+from ..shader.opcodes import Entry
 from ..shader.point import new_point, set_surface, set_world
 from ..shape.interaction import make_interaction
 from ..tables import MaterialFlag, Visibility
 from .guided import guided_pdf
 from .targets import choose
+from .terminator import lift_below, lifted
 from .vacuum import clearness
 
+PANE = int(Entry.PANE)
 FAR, ZERO, ONE = np.float32(np.inf), np.float32(0.0), np.float32(1.0)
 SCATTERED = (Visibility.DIFFUSE | Visibility.GLOSSY | Visibility.TRANSMISSION).value
 PASSABLE = (MaterialFlag.TRANSPARENT | MaterialFlag.OPAQUE_SHADOW).value
@@ -65,7 +69,8 @@ def light_of(scene, settings, walk, it, bsdf, wo, row, pmf_light, u0, u1):
     s = light_dispatch.sample(scene, light, it.p, u0, u1)
     if s.pdf <= 0.0 or (is_black(s.radiance) and (light.program == 0 or light.gain > 0.0)):
         return BLACK
-    f, pdf_bsdf = bsdf_dispatch.evaluate_and_pdf(bsdf, wo, s.wi)
+    below = lift_below(scene, walk, it, s.wi)
+    f, pdf_bsdf = bsdf_dispatch.evaluate_lit(bsdf, wo, s.wi, it.ns if below > 0.0 else it.ng)
     if light.visibility & SCATTERED != SCATTERED:
         f = f * bsdf_dispatch.share_seeing(bsdf, wo, s.wi, light.visibility)
     if is_black(f):
@@ -73,6 +78,8 @@ def light_of(scene, settings, walk, it, bsdf, wo, row, pmf_light, u0, u1):
     pdf_light = s.pdf * pmf_light
     f = f * (1.0 / pdf_light)
     o = offset_ray_origin(it.p, it.ng if dot(s.wi, it.ng) > 0.0 else -it.ng)
+    if below > 0.0:
+        o = lifted(scene, walk, it, s.wi, below)
     if s.distance == FAR:
         f = f * shadow_transmittance(scene, settings, walk, it, o, s.wi, FAR)
     else:
@@ -119,6 +126,11 @@ def transparency(scene, it, hit, d):
     material = scene.materials[it.material]
     if material.flags & PASSABLE != MaterialFlag.TRANSPARENT.value:
         return BLACK
+    if material.flags & MaterialFlag.PANE.value:
+        point = new_point()
+        set_surface(scene, point, it, hit, -normalize(d), Visibility.SHADOW.value, np.float32(0.0))
+        call(scene.kernels[PANE].address, scene, material, point, point)
+        return load3(point, "result")
     if material.transparency_program > 0:
         point = new_point()
         set_surface(scene, point, it, hit, -normalize(d), Visibility.SHADOW.value, np.float32(0.0))

@@ -197,7 +197,7 @@ def arrive_in_media(scene, path, found):
     """The place as an Interaction that has no normal; `found` is set to its phase functions."""
     p = load3(path, "o")
     gather_phases(scene, path.media, load3(path, "beta"), found)
-    path.both_sides = 1
+    path.both_sides, path.prim = 1, NONE
     if path.first_hit == 0:
         albedo = homogeneous.albedo(load3(path.media, "sigma_t"), load3(path.media, "sigma_s"))
         store3(path, "first_p", p)

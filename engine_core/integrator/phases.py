@@ -18,6 +18,11 @@ def sample(phases, wo, u_phase, u0, u1):
 
 
 @kernel
+def evaluate_lit(phases, wo, wi, n):
+    return evaluate_and_pdf(phases, wo, wi)
+
+
+@kernel
 def spread(phases):
     return np.float32(1.0)
 
@@ -38,4 +43,13 @@ def guided_pdf(scene, phases, wi, pdf):
     return pdf
 
 
-__all__ = ["evaluate_and_pdf", "guided_pdf", "is_behind", "kind_of_lobe", "sample", "share_seeing", "spread"]
+__all__ = [
+    "evaluate_and_pdf",
+    "evaluate_lit",
+    "guided_pdf",
+    "is_behind",
+    "kind_of_lobe",
+    "sample",
+    "share_seeing",
+    "spread",
+]

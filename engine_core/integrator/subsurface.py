@@ -31,7 +31,6 @@ from ..sampling.rng import hash_combine, to_unit_float
 from ..sampling.sobol import dimension_seed
 from ..shader import link
 from ..shader.opcodes import Entry
-from ..tables import MaterialFlag
 
 BELOW = np.dtype(
     [
@@ -175,12 +174,7 @@ def random_walk(scene, below, unused, again):
         o = (o if step > 0 else entry) + d * t
 
 
-link.provide(Entry.SUBSURFACE, random_walk, BELOW)
-
-
-def entries_needed(materials):
-    """Entry points that a scene with this table MATERIAL needs for walks."""
-    return (Entry.SUBSURFACE,) if (materials["flags"] & MaterialFlag.SUBSURFACE).any() else ()
+link.provide(Entry.SUBSURFACE, random_walk, BELOW, BELOW)
 
 
 # ---- Sampling --------------------------------------------------------------------------------------------------------

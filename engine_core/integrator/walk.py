@@ -23,15 +23,16 @@ from ..sampling.sobol import sample_1d
 from ..shader.evaluate import emission, fill_bsdf, has_program
 from ..shader.point import set_surface
 from ..shape.interaction import make_interaction
-from ..tables import BSDF, CameraKind, LobeKind, MaterialFlag, Visibility
+from ..tables import BSDF, CameraKind, LobeKind, MaterialFlag, TreeKind, Visibility
 from .direct import Origin, background_radiance, lamp_radiance, surface_emission
+from .layers import open_panes
 from .subsurface import BELOW, prepare_walk, walk_below
 from .vacuum import clearness, go_through
 
 # Dimensions of a sample, in pairs: 0 the pixel filter, 1 the lens, 2 the time, then four for each vertex of the path:
 # two choices (which light, which lobe), a point on a light or two more choices, a direction, Russian roulette.
 FIRST_DIMENSION, DIMENSIONS_PER_VERTEX = 3, 4
-FAR, ZERO = np.float32(np.inf), np.float32(0.0)
+FAR, ZERO, ONE, NONE = np.float32(np.inf), np.float32(0.0), np.float32(1.0), np.int64(-1)
 BUMP_WIDTH = np.float32(0.1)  # pixels, over which slopes of bumps are taken, as Cycles' filter width
 CAMERA = Visibility.CAMERA.value
 ABOVE, DESCENDING, EMERGING = 0, 1, 2  # of the path to the surface: scattered by it; about to walk below; coming out
@@ -53,6 +54,9 @@ WALK = np.dtype(
         ("pdf_last", "f4"),
         ("distance", "f4"),  # from there to `o`; more than 0 after passing through something transparent
         ("t", "f4"),  # length of the ray that led to the vertex
+        ("prim", "i4"),  # what it is on: row of TRIANGLE, or -1 ...
+        ("b1", "f4"),  # ... and where
+        ("b2", "f4"),
         ("both_sides", "i4"),  # 1: the vertex scatters light from behind, too
         ("bounces", "i4"),
         ("diffuse_bounces", "i4"),
@@ -158,6 +162,7 @@ def arrive(scene, settings, walk, hit):
     """The Interaction with what was hit; gather what shines there."""
     d = load3(walk, "d")
     it = make_interaction(scene, hit, load3(walk, "o"), d, walk.time)
+    walk.prim, walk.b1, walk.b2 = hit.prim if hit.kind == TreeKind.TRIANGLES else NONE, hit.b1, hit.b2
     material = scene.materials[it.material]
     if has_program(material):
         set_point(scene, settings, walk, it, hit)
@@ -215,9 +220,12 @@ def make_bsdf(scene, settings, walk, it, bsdf):
     """How the vertex scatters; `wo` is against the ray."""
     wo = -load3(walk, "d")
     spreads = walk.diffuse_bounces > 0
+    material = scene.materials[it.material]
     fill_bsdf(
         scene,
-        it,
+        material,
+        it.ng,
+        it.ns,
         wo,
         walk.point,
         bsdf,
@@ -228,8 +236,11 @@ def make_bsdf(scene, settings, walk, it, bsdf):
         walk.side = ABOVE
         bsdf_dispatch.become_matt(bsdf)
     bsdf_dispatch.prepare(bsdf, wo, it.backfacing)
+    if material.flags & MaterialFlag.PANE.value and walk.visibility != CAMERA:
+        open_panes(bsdf)
+    bsdf.shadow_stretch = scene.objects[it.instance].shadow_stretch if scene.world[0].stretches_shadows != 0 else ONE
     bsdf.cell, bsdf.guided = np.int32(-1), ZERO
-    walk.both_sides = scene.materials[it.material].flags & MaterialFlag.TRANSMITS.value != 0
+    walk.both_sides = material.flags & MaterialFlag.TRANSMITS.value != 0
     if walk.first_hit == 0:
         store3(walk, "first_p", it.p)
         store3(walk, "first_normal", it.ns)

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..accel import build as accel
 from ..guide_tables import no_guide
-from ..integrator.subsurface import entries_needed
+from ..integrator.layers import entries_needed
 from ..light.bounds import is_far
 from ..light.select import prepare_selection
 from ..program_tables import OBJECT
@@ -37,6 +37,7 @@ from .lamp_programs import bake_lamps, instance_rows
 from .media import MediaTables
 from .shading import Shading, needs_own_tree
 from .targets import Aim
+from .terminator import tell_terminators
 from .triangles import inverse, triangle_lights, triangle_rows
 from .world import bake_world, light_rows
 
@@ -65,7 +66,7 @@ class _Assembly:
         self.progress(0.0, "Materials")
         shading, world = self.shading, np.zeros(1, WORLD)
         materials, lobes = shading.materials(self.builder.materials)
-        shading.world(world, self.builder.world_radiance)
+        shading.world(world, self.builder.world_radiance, materials)
         add_generated(self.placements, self.geometries, shading.displacements)
         attributes, self.attribute_rows = shading.attributes(self.geometries)
         world["attribute_count"] = len(attributes["attributes"])
@@ -86,9 +87,8 @@ class _Assembly:
         self._lamp_programs()
         self._bounds(world)
         lights = self._lights(materials, world)
+        tell_terminators(self.objects, self.placements, self.geometries, world)
         placed = self.placements, self.matrices, self.instances
-        media = MediaTables(self.builder, self.geometries, materials, world, *placed)
-        world["transparent_shadows"] = int((materials["flags"] & MaterialFlag.TRANSPARENT).any())
         scene = Scene(
             nodes=_concatenate(self.nodes, NODE),
             packets=_concatenate(self.packets, PACKET),
@@ -105,7 +105,7 @@ class _Assembly:
             camera=camera,
             world=world,
             **attributes | shading.instance_values(valued),  # lamps may ask for more
-            **media.tables(),
+            **MediaTables(self.builder, self.geometries, materials, world, *placed).tables(),
             **no_guide(),
             **shading.programs.tables(entries_needed(materials)),
         )

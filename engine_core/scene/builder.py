@@ -25,9 +25,11 @@ from ..tables import CameraKind, LightKind, Visibility
 from . import assemble, checks, lamps, shapes
 from .materials import WHITE, Black, Diffuse, Surface, Transparent, flatten
 from .targets import Aim
+from .terminator import Terminator
 from .volumes import Medium, medium_of
 
 IDENTITY = np.eye(4)
+EXACT = Terminator()
 
 
 @dataclass
@@ -61,6 +63,7 @@ class Placement:
     aim: Aim
     motion: np.ndarray | None  # float64 (n, 4, 4), see SceneBuilder.instance
     values: dict  # name: up to 4 floats
+    terminator: Terminator
 
 
 @dataclass
@@ -205,11 +208,13 @@ class SceneBuilder:
         aim=Aim.AUTOMATIC,
         motion=None,
         values=None,
+        terminator=EXACT,
     ):
         """Let a geometry stand in the world; any number of times.
 
         `materials` has a number for each material slot; a slot beyond the last uses the last, as in Blender.
         `aim`: whether the mixture integrator sends rays at it.
+        `terminator`: how shadows set in on its far side, if it is a smooth mesh.
         `motion`: (n, 4, 4), where it stands at n >= 2 times, evenly from the opening of the shutter to its closing, n
         being the same for all that move. `to_world` is then where it stands in the middle.
         `values`: {name: up to 4 floats} of the instance, for shader programs.
@@ -233,6 +238,7 @@ class SceneBuilder:
                 Aim(aim),
                 motion,
                 values or {},
+                Terminator(*terminator),
             )
         )
 

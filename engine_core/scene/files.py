@@ -14,7 +14,7 @@ import numpy as np
 
 from ..accel.nodes import aligned_rows
 from ..guide_tables import no_guide
-from ..integrator.subsurface import entries_needed
+from ..integrator.layers import entries_needed
 from ..medium_tables import MAX_PHASES
 from ..settings import Settings
 from ..shader import link, verify

@@ -16,10 +16,11 @@ import numpy as np
 from ..program_tables import CLOSURE, ClosureKind
 from ..shader import graph
 from ..shader.link import lobes_of
+from ..shader.opcodes import Op, VectorMath
 from ..tables import LOBE, MAX_LOBES, Facets, LobeKind, SubsurfaceKind
 
 WHITE = (1.0, 1.0, 1.0)
-SWITCHES = ("multiscatter", "is_beckmann")  # fields that no program can set
+SWITCHES = ("multiscatter", "is_beckmann", "loose")  # fields that no program can set
 
 
 @dataclass(frozen=True)
@@ -112,6 +113,7 @@ class Glass:
     multiscatter: bool = False
     normal: object = None
     is_beckmann: bool = False
+    loose: bool = False  # also refracts where no microfacet would, as in Cycles
     film_thickness: float = 0.0
     film_ior: float = 1.33
 
@@ -123,6 +125,7 @@ class Refraction:
     ior: float = 1.45
     normal: object = None
     is_beckmann: bool = False
+    loose: bool = False
 
 
 @dataclass(frozen=True)
@@ -180,6 +183,7 @@ class Principled:
     film_thickness: float = 0.0
     film_ior: float = 1.33
     thin_wall: float = 0.0  # above 0.5: transmission is that of a pane
+    loose: bool = False
     tangent: object = None
 
 
@@ -243,11 +247,12 @@ class _Flattening:
         if not (graph.is_constant(weight) and weight <= 0.0):
             getattr(self, f"_{type(closure).__name__.lower()}")(closure, weight)
 
-    def _row(self, kind, weight, values, multiscatter=False, layer=0, subsurface=0, is_beckmann=False):
+    def _row(self, kind, weight, values, multiscatter=False, layer=0, subsurface=0, is_beckmann=False, loose=False):
         """A row of CLOSURE. `values`: by field; None where nothing is set."""
         row, varying = np.zeros(1, CLOSURE)[0], {}
         row["kind"], row["multiscatter"], row["layer"] = kind, multiscatter, layer
         row["subsurface"], row["facets"] = subsurface, Facets.BECKMANN if is_beckmann else Facets.GGX
+        row["loose"] = loose
         for field, value in {"weight": weight, **values}.items():
             if value is None:
                 continue
@@ -261,7 +266,8 @@ class _Flattening:
         """A closure whose fields have the names of CLOSURE, but for those that are renamed."""
         names = {f.name: renamed.get(f.name, f.name) for f in fields(c) if f.name not in SWITCHES}
         values = {field: getattr(c, name) for name, field in names.items()}
-        self._row(kind, weight, values, getattr(c, "multiscatter", False), is_beckmann=getattr(c, "is_beckmann", False))
+        switches = {name: getattr(c, name) for name in SWITCHES if hasattr(c, name)}
+        self._row(kind, weight, values, **switches)
 
     def _black(self, c, weight):
         pass
@@ -329,7 +335,8 @@ class _Flattening:
         self.layers += 1
         alpha = graph.clamped(c.alpha)
         light = graph.product(graph.product(weight, alpha), c.emission_strength)
-        self.emission = graph.added(self.emission, graph.scaled(c.emission_color, light))
+        emitted = _covered(c, graph.scaled(c.emission_color, light))
+        self.emission = graph.added(self.emission, emitted)
         clear = graph.product(weight, graph.complement(alpha))
         self.transparency = graph.added(self.transparency, graph.scaled(WHITE, clear))
         values = {
@@ -354,7 +361,24 @@ class _Flattening:
             "thin_wall",
         ):
             values[name] = getattr(c, name)
-        self._row(ClosureKind.PRINCIPLED, weight, values, c.multiscatter, self.layers, c.subsurface_kind)
+        self._row(ClosureKind.PRINCIPLED, weight, values, c.multiscatter, self.layers, c.subsurface_kind, loose=c.loose)
+
+
+def _covered(c, light):
+    """What of the light of a Principled closure gets through the sheen and the coat above it."""
+    is_dark = graph.is_constant(light) and not any(light)
+    if is_dark or not any(map(_may_be_positive, (c.sheen_weight, c.coat_weight))):
+        return light
+    normal, coat_normal = ((0.0, 0.0, 0.0) if n is None else n for n in (c.normal, c.coat_normal))
+    sheen = c.sheen_weight, c.sheen_roughness, c.sheen_tint
+    coat = c.coat_weight, c.coat_roughness, c.coat_ior, c.coat_tint
+    left = graph.node(Op.LEFT_BELOW, *sheen, *coat, normal, coat_normal)
+    zero = (0.0, 0.0, 0.0)
+    return graph.part(graph.node(Op.VECTOR_MATH, light, left, zero, 0.0, mode=VectorMath.MULTIPLY), 0, 3)
+
+
+def _may_be_positive(value):
+    return not graph.is_constant(value) or value > 0.0
 
 
 def _merge_equal(rows):

@@ -3,9 +3,11 @@
 
 import numpy as np
 
+from ..bsdf.microfacet import SMOOTH
 from ..integrator.probes import ask_the_object
 from ..program_tables import ATTRIBUTE, ATTRIBUTE_MAP, INSTANCE_VALUE, ClosureKind
 from ..shader import graph
+from ..shader.closures import pane_width
 from ..shader.graph import GraphError
 from ..shader.program import ProgramTables
 from ..tables import LOBE, MATERIAL, TRANSMITTING, LobeKind, MaterialFlag
@@ -83,6 +85,8 @@ class Shading:
         transparency, row["transparency_program"] = self._value(surface.transparency)
         row["transparency"] = np.minimum(transparency, 1.0)
         row["flags"] |= 0 if material.transparent_shadows else MaterialFlag.OPAQUE_SHADOW
+        if any(_may_be_clear(closure, values) for closure, values in closures):
+            row["flags"] |= MaterialFlag.PANE | MaterialFlag.TRANSPARENT
         if row["transparency"].any() or (lobes["kind"] == LobeKind.TRANSPARENT).any():
             row["flags"] |= MaterialFlag.TRANSPARENT
         return lobes
@@ -96,9 +100,10 @@ class Shading:
 
     # ---- The world ----
 
-    def world(self, world, radiance):
-        """Set the world's radiance, a value."""
+    def world(self, world, radiance, materials):
+        """Set the world's radiance, a value, and what it says of the table MATERIAL."""
         world["background"], world["background_program"] = self._value(radiance)
+        world["transparent_shadows"] = int((materials["flags"] & MaterialFlag.TRANSPARENT).any())
 
     # ---- Lamps ----
 
@@ -163,8 +168,22 @@ def needs_own_tree(materials, numbers):
     return asks_itself(materials, numbers) or has_no_surface(materials, numbers)
 
 
+def _may_be_clear(closure, varying):
+    """Whether it may be a smooth thin wall somewhere."""
+    values = {name: varying.get(name, closure[name]) for name in ("thin_wall", "transmission", "roughness", "ior")}
+    constant = {name: float(value) if graph.is_constant(value) else None for name, value in values.items()}
+    if closure["kind"] != ClosureKind.PRINCIPLED or constant["thin_wall"] == 0.0 or constant["transmission"] == 0.0:
+        return False
+    if constant["roughness"] is None or constant["ior"] is None:
+        return True
+    return pane_width.py_func(constant["roughness"] ** 2, max(constant["ior"], 1e-5)) ** 2 < SMOOTH
+
+
 def _scatters_below(closure, varying):
     if closure["kind"] == ClosureKind.PRINCIPLED:
+        thin = varying.get("thin_wall", closure["thin_wall"])
+        if graph.is_constant(thin) and thin > 0.5:
+            return False
         weight = varying.get("subsurface_weight", closure["subsurface_weight"])
         return not (graph.is_constant(weight) and weight <= 0.0)
     return closure["kind"] == ClosureKind.SUBSURFACE

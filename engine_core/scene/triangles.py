@@ -57,7 +57,8 @@ def fill_triangles(rows, positions, triangles, normals, uvs, slots, matrix, inve
     """Fill rows of TRIANGLE: gather corners, move them by `matrix`, and normals by the transpose of `inverted`.
 
     A transform that mirrors would turn triangles inside out; their second and third corner change places. Moved normals
-    keep their length, so that interpolating them gives the same direction here and behind an instance's transform.
+    are made unit before they are interpolated, as Cycles does with objects that are there once; behind an instance's
+    transform that is the other way round, there as here.
     """
     determinant = (
         matrix[0, 0] * (matrix[1, 1] * matrix[2, 2] - matrix[1, 2] * matrix[2, 1])
@@ -102,9 +103,9 @@ def fill_triangles(rows, positions, triangles, normals, uvs, slots, matrix, inve
                     )
                     row.n[corner, k] = moved
                     total += moved * moved
-            if total == 0.0:
-                for k in range(3):
-                    row.n[corner, k] = n[k]
+            scale = 1.0 / np.sqrt(total) if total > 0.0 else 0.0
+            for k in range(3):
+                row.n[corner, k] = row.n[corner, k] * scale if total > 0.0 else n[k]
         row.slot = slots[i] if slots.shape[0] > 0 else 0
         row.instance = instance
         row.light = -1

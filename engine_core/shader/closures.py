@@ -50,7 +50,7 @@ def add_closure(bsdf, c):
         i = new_lobe(bsdf, LobeKind.REFRACTION, weight * load3(c, "color"), 0)
         if i >= 0:
             lobe = bsdf.lobes[i]
-            lobe.ior, lobe.facets = max(c.ior, SMALLEST_IOR), c.facets
+            lobe.ior, lobe.facets, lobe.loose = max(c.ior, SMALLEST_IOR), c.facets, c.loose
             set_alphas(lobe, c.roughness, ONE)
     elif kind == ClosureKind.SUBSURFACE:
         add_subsurface(bsdf, c, weight, load3(c, "color"), saturate(c.roughness), c.ior, 0)
@@ -62,11 +62,15 @@ def add_closure(bsdf, c):
 
 @kernel
 def add_diffuse(bsdf, weight, color, roughness, layer):
-    if roughness < NEGLIGIBLE:
-        new_lobe(bsdf, LobeKind.DIFFUSE, weight * color, layer)
-        return
-    i = new_lobe(bsdf, LobeKind.ROUGH_DIFFUSE, weight * color, layer)
-    if i >= 0:
+    add_diffuse_of(bsdf, weight * color, color, roughness, layer, False)
+
+
+@kernel
+def add_diffuse_of(bsdf, weight, color, roughness, layer, goes_through):
+    """What is matt, `color` being that which its weight has: on this side of the face, or through it."""
+    kind = LobeKind.DIFFUSE if roughness < NEGLIGIBLE else LobeKind.ROUGH_DIFFUSE
+    i = new_lobe(bsdf, LobeKind.TRANSLUCENT if goes_through else kind, weight, layer)
+    if i >= 0 and roughness >= NEGLIGIBLE:
         bsdf.lobes[i].alpha_x = saturate(roughness)
         store3(bsdf.lobes[i], "f0", color)
 
@@ -183,7 +187,10 @@ def add_principled(bsdf, c, weight):
         clamped = Vec3(min(base.x, ONE), min(base.y, ONE), min(base.z, ONE))
         roughness = saturate(c.roughness)
         entry = c.subsurface_ior if c.subsurface == SubsurfaceKind.SKIN else ior
-        add_subsurface(bsdf, c, weight * below, clamped, roughness * roughness, entry, c.layer)
+        if c.thin_wall > 0.5:
+            add_leaf(bsdf, c, weight * clamped * below, clamped)
+        else:
+            add_subsurface(bsdf, c, weight * below, clamped, roughness * roughness, entry, c.layer)
         weight = weight * (1.0 - below)
     add_diffuse(bsdf, weight, base, c.diffuse_roughness, c.layer)
 
@@ -211,6 +218,14 @@ def add_subsurface(bsdf, c, weight, color, alpha, ior, layer):
 
 
 @kernel
+def add_leaf(bsdf, c, weight, color):
+    """A thin wall that scatters light below its surfaces: to the side that it came from or through, as g says."""
+    g = min(max(c.subsurface_anisotropy, -ONE), ONE)
+    add_diffuse_of(bsdf, weight * (0.5 * (1.0 - g)), color, c.diffuse_roughness, c.layer, False)
+    add_diffuse_of(bsdf, weight * (0.5 * (1.0 + g)), color, c.diffuse_roughness, c.layer, True)
+
+
+@kernel
 def principled_frames(bsdf, c):
     """(frame of the base, of the coat, of the sheen above it)"""
     base, coat_normal = bsdf.frame, load3(c, "coat_normal")
@@ -231,7 +246,7 @@ def principled_stretch(anisotropy):
 def set_glass(lobe, c, reflect_tint, refract_tint):
     store3(lobe, "reflect_tint", reflect_tint)
     store3(lobe, "refract_tint", refract_tint)
-    lobe.ior, lobe.facets = max(c.ior, SMALLEST_IOR), c.facets
+    lobe.ior, lobe.facets, lobe.loose = max(c.ior, SMALLEST_IOR), c.facets, c.loose
     lobe.multiscatter = c.multiscatter
     set_film(lobe, c)
     set_alphas(lobe, c.roughness, ONE)
@@ -239,7 +254,7 @@ def set_glass(lobe, c, reflect_tint, refract_tint):
 
 @kernel
 def add_pane(bsdf, c, weight, tint, base):
-    """The two halves of a thin wall; two refractions widen what is transmitted (Kulla and Conty 2017, page 40)."""
+    """The two halves of a thin wall."""
     color = Vec3(min(base.x, ONE), min(base.y, ONE), min(base.z, ONE))
     for kind in (LobeKind.CONDUCTOR, LobeKind.THIN_WALL):
         i = new_lobe(bsdf, kind, weight, c.layer)
@@ -249,14 +264,14 @@ def add_pane(bsdf, c, weight, tint, base):
             store3(lobe, "f0", tint)
             lobe.fresnel, lobe.multiscatter = FresnelKind.THIN_WALL, 1
             if kind == LobeKind.THIN_WALL:
-                bend = (
-                    3.4
-                    * max(lobe.ior - 1.0, ZERO)
-                    * (lobe.ior - 0.5)
-                    * (lobe.ior - 0.5)
-                    / (lobe.ior * lobe.ior * lobe.ior)
-                )
-                lobe.alpha_x = lobe.alpha_y = min(lobe.alpha_x * math.sqrt(bend), ONE)
+                lobe.alpha_x = lobe.alpha_y = pane_width(lobe.alpha_x, lobe.ior)
+
+
+@kernel
+def pane_width(alpha, ior):
+    """Width of what a pane transmits, after two refractions (Kulla and Conty 2017, page 40)."""
+    bend = 3.4 * max(ior - 1.0, 0.0) * (ior - 0.5) * (ior - 0.5) / (ior * ior * ior)
+    return min(alpha * math.sqrt(bend), 1.0)
 
 
 @kernel
@@ -298,7 +313,7 @@ def new_lobe(bsdf, kind, weight, layer):
     bsdf.count = i + 1
     lobe = bsdf.lobes[i]
     lobe.kind, lobe.frame = kind, bsdf.frame
-    lobe.facets, lobe.film_thickness, lobe.film_ior = Facets.GGX, ZERO, ONE
+    lobe.facets, lobe.loose, lobe.film_thickness, lobe.film_ior = Facets.GGX, 0, ZERO, ONE
     store3(lobe, "weight", weight)
     lobe.alpha_x = lobe.alpha_y = ZERO
     lobe.ior = ONE

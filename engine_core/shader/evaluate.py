@@ -22,13 +22,12 @@ def has_program(material):
 
 
 @kernel
-def fill_bsdf(scene, it, wo, point, bsdf, keep_reflections, keep_refractions):
-    """Set frames and lobes of `bsdf` for the Interaction `it`, seen from `wo`; `point` is set if it `has_program`.
+def fill_bsdf(scene, material, ng, ns, wo, point, bsdf, keep_reflections, keep_refractions):
+    """Set frames and lobes of `bsdf` for a row of MATERIAL, seen from `wo`; `point` is set if it `has_program`.
 
     `keep_reflections`, `keep_refractions`: whether lobes that would cast caustics take part.
     """
-    begin_frames(bsdf, it.ng, it.ns)
-    material = scene.materials[it.material]
+    begin_frames(bsdf, ng, ns)
     if material.program > 0:
         call(scene.kernels[SURFACE].address, scene, scene.programs[material.program], point, bsdf)
     else:

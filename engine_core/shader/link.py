@@ -35,9 +35,9 @@ _others = {}  # provided by rooms above
 _entries, _lock = {}, threading.Lock()
 
 
-def provide(entry, function, subject):
-    """Let an entry point be found here that takes (scene, row of dtype `subject`, point, the same row again)."""
-    _others[entry] = (function, subject, subject)
+def provide(entry, function, subject, target):
+    """Let an entry point be found here that takes (scene, row of dtype `subject`, point, row of dtype `target`)."""
+    _others[entry] = (function, subject, target)
 
 
 def provide_family(entry, function):

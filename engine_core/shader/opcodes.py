@@ -39,6 +39,8 @@ class Entry(IntEnum):
     LIGHTING = 13
     LINES = 14
     PROBES = 15  # rays that programs send, see integrator/probes.py
+    LAYERS = 16  # of lobes that cover light: see integrator/layers.py
+    PANE = 17  # what shadow rays see of a material that may have smooth thin walls: likewise
 
 
 class Op(IntEnum):
@@ -97,6 +99,7 @@ class Op(IntEnum):
     OCCLUSION = 140
     BEVEL = 141
     RAYCAST = 142
+    LEFT_BELOW = 150
 
 
 class InputVector(IntEnum):
@@ -294,4 +297,6 @@ SIGNATURES = {
     Op.BEVEL: Signature(Entry.PROBES, (1, 3, 1), 3, 1, varies=True),  # radius, normal, samples
     # position, direction, length. Gives whether it hits, whether itself, how far, where, the normal there
     Op.RAYCAST: Signature(Entry.PROBES, (3, 3, 1), 9, 2, varies=True),
+    # weight, roughness and tint of a sheen; weight, roughness, index and tint of a coat; normals of a base and the coat
+    Op.LEFT_BELOW: Signature(Entry.LAYERS, (1, 1, 3, 1, 1, 1, 3, 3, 3), 3, 1, varies=True),
 }
