@@ -33,6 +33,8 @@ class TexelFormat(IntEnum):
     SRGB = 1  # the same, colours with the curve of sRGB
     HALF = 2
     FLOAT = 3
+    SRGB_FLOAT = 4  # colours with the curve of sRGB
+    TILES = 5  # none: rows of IMAGE side by side
 
 
 MAX_OPERANDS = 12
@@ -151,11 +153,11 @@ CURVE = np.dtype([("value", "f4", (4,))])  # colour ramps and curves, CURVE_SIZE
 CURVE_SIZE = 256
 IMAGE = np.dtype(
     [
-        ("width", "i4"),
+        ("width", "i4"),  # pixels; TILES: images
         ("height", "i4"),
         ("channels", "i4"),  # 1 or 4
         ("format", "i4"),  # TexelFormat
-        ("first", "i8"),  # row of TEXEL of its lower left pixel
+        ("first", "i8"),  # row of TEXEL of its lower left pixel; TILES: of IMAGE of its lower left image
     ]
 )
 TEXEL = np.dtype([("word", "u4")])  # 4 bytes of pixels: rows of an image follow each other, bottom row first

@@ -20,7 +20,9 @@ class Context:
     height: int
     engine: bpy.types.RenderEngine | None = None
     materials: dict = field(default_factory=dict)  # a material's address in Blender: its number in the builder
-    images: dict = field(default_factory=dict)  # an image's address in Blender: its Image
+    images: dict = field(
+        default_factory=dict
+    )  # an image's address in Blender, frame, and whether in tiles: what is read of it
     placed: dict | None = None  # with motion blur, what names an instance: its number in the builder
 
     value_names: set = field(default_factory=set)  # of values of instances that materials so far ask for

@@ -1,66 +1,116 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pixels of Blender's images, read once each."""
+"""From the image of a node to its pixels, read once each: of a file, of tiles, or of the frame that is rendered."""
 
+import os
+from contextlib import contextmanager
+
+import bpy
 import numpy as np
 
 from ..core import graph
 from .graph import label
+from .pixels import UnreadableError, read
 
-MAGENTA = (1.0, 0.0, 1.0, 1.0)  # what Blender shows for an image that is not there
-LARGEST_IMAGE = 1 << 30  # numbers
-MOST_FLOATS = 1 << 24  # larger images of floats are kept as half floats
-LARGEST_HALF = 65504.0
-DATA = {"Non-Color", "Raw", "Generic Data", "Linear Rec.709", "Linear", "scene_linear"}
+MISSING = graph.Image("missing", np.array([[(1.0, 0.0, 1.0, 1.0)]], np.float32))  # magenta, as Blender shows it
+FIRST_TILE, COLUMNS = 1001, 10  # of UDIM
 
 
-def export_image(values, node):
-    """The Image of an image or environment texture node; a magenta pixel where there is none."""
+def export_image(values, node, tiled=False):
+    """The Image of an image or environment texture node, or with `tiled` its Tiles if it has several; a magenta pixel
+    where there is none."""
     b_image = node.image
     if b_image is None:
-        return _missing(values, node, "no image")
-    images = values.context.images
-    key = b_image.as_pointer()
+        values.warn(node, f"{label(node)} has no image; magenta instead")
+        return MISSING
+    frame = None
+    if b_image.source in ("SEQUENCE", "MOVIE"):
+        frame = frame_of(node.image_user, values.context.scene.frame_current)
+    tiled = tiled and b_image.source == "TILED"
+    images, key = values.context.images, (b_image.as_pointer(), frame, tiled)
     if key not in images:
-        width, height = b_image.size
-        if not 0 < width * height * b_image.channels <= LARGEST_IMAGE:
-            reason = (
-                f"the image {b_image.name} cannot be read" if width * height == 0 else f"{b_image.name} is too large"
-            )
-            return _missing(values, node, reason)
-        images[key] = _read(values, node, b_image)
+        images[key] = _tiles(values, node, b_image) if tiled else _picture(values, node, b_image, frame)
     return images[key]
 
 
-def _missing(values, node, reason):
-    values.warn(node, f"{label(node)} has {reason}; magenta instead" if reason == "no image" else f"{reason}; magenta")
-    return graph.Image("missing", np.array([[MAGENTA]], np.float32))
+def _picture(values, node, b_image, frame):
+    try:
+        if frame is not None:
+            return _frame(b_image, frame)
+        if b_image.source == "TILED":
+            return _tile(b_image, b_image.tiles[0].number)
+        return read(b_image)
+    except UnreadableError as error:
+        values.warn(node, f"{error}; magenta")
+        return MISSING
 
 
-def _read(values, node, b_image):
-    if b_image.source in ("TILED", "SEQUENCE", "MOVIE"):
-        what = "the first tile" if b_image.source == "TILED" else "the frame that Blender has loaded"
-        values.warn(node, f"{b_image.name} is one of several pictures; using {what} only")
-    width, height = b_image.size
-    channels = b_image.channels
-    pixels = np.empty(width * height * channels, np.float32)
-    b_image.pixels.foreach_get(pixels)
-    pixels = pixels.reshape(height, width, channels)
-    if channels not in (1, 4):
-        color = pixels[..., :3] if channels == 3 else np.repeat(pixels[..., :1], 3, axis=-1)
-        alpha = pixels[..., 1:] if channels == 2 else np.ones((height, width, 1), np.float32)
-        pixels = np.concatenate([color, alpha], axis=-1)
-    if b_image.alpha_mode == "NONE" and pixels.shape[-1] == 4:
-        pixels[..., 3] = 1.0
-    if b_image.is_float:
-        if pixels.size > MOST_FLOATS and np.abs(pixels).max() <= LARGEST_HALF:
-            pixels = pixels.astype(np.float16)
-        return graph.Image(b_image.name, pixels)
-    space = b_image.colorspace_settings
-    is_srgb = space.name not in DATA and not space.is_data
-    if is_srgb and space.name != "sRGB":
-        values.warn(node, f"{b_image.name} is in the colour space {space.name}; taken as sRGB")
-    pixels = (np.clip(pixels, 0.0, 1.0) * 255.0 + 0.5).astype(np.uint8)
-    if pixels.shape[-1] == 4 and not space.is_data and b_image.alpha_mode not in ("CHANNEL_PACKED", "NONE"):
-        # colours as much as they cover, rounded as Cycles rounds them
-        pixels[..., :3] = (pixels[..., :3].astype(np.uint16) * pixels[..., 3:]) // 255
-    return graph.Image(b_image.name, pixels, is_srgb)
+# ---- Frames of sequences and movies ----------------------------------------------------------------------------------
+
+
+def frame_of(user, now):
+    """Which frame of its pictures an image user shows in frame `now` of the scene, as Blender counts."""
+    length = user.frame_duration
+    if length == 0:
+        return 0
+    frame = now - user.frame_start + 1
+    frame = (frame - 1) % length + 1 if user.use_cyclic else min(max(frame, 0), length)
+    return frame + user.frame_offset
+
+
+def _frame(b_image, frame):
+    """Whoever evaluates a texture makes Blender load the frame of its image user; then that is what pixels are of."""
+    with _texture(b_image) as texture:
+        texture.image_user.frame_current = frame
+        path = b_image.filepath_from_user(image_user=texture.image_user)
+        if b_image.source == "SEQUENCE" and not (b_image.packed_file or os.path.exists(path)):
+            raise UnreadableError(f"frame {frame} of the image {b_image.name} is missing")
+        texture.evaluate((0.0, 0.0, 0.0))
+    return read(b_image)
+
+
+@contextmanager
+def _texture(b_image):
+    texture = bpy.data.textures.new(".Frame", "IMAGE")
+    try:
+        texture.image = b_image
+        yield texture
+    finally:
+        bpy.data.textures.remove(texture)
+
+
+# ---- Tiles -----------------------------------------------------------------------------------------------------------
+
+
+def _tiles(values, node, b_image):
+    """Pictures beside each other, ten in a row: those of UDIM."""
+    found = {}
+    for b_tile in b_image.tiles:
+        try:
+            found[b_tile.number - FIRST_TILE] = _tile(b_image, b_tile.number)
+        except UnreadableError as error:
+            values.warn(node, f"{error}; magenta")
+    columns = max((place % COLUMNS + 1 for place in found), default=1)
+    rows = max((place // COLUMNS + 1 for place in found), default=1)
+    places = (row * COLUMNS + column for row in range(rows) for column in range(columns))
+    return graph.Tiles(columns, tuple(found.get(place, MISSING) for place in places))
+
+
+def _tile(b_image, number):
+    """Of a tiled image Blender hands out the first tile alone, so each is loaded as an image of its own."""
+    packed = next((p.packed_file for p in b_image.packed_files if p.tile_number == number), None)
+    with _texture(b_image) as texture:
+        texture.image_user.tile = number
+        path = b_image.filepath_from_user(image_user=texture.image_user)
+    if not packed and not os.path.exists(path):
+        raise UnreadableError(f"tile {number} of the image {b_image.name} is missing")
+    b_tile = bpy.data.images.new(f"{b_image.name}.{number}", 1, 1)
+    try:
+        b_tile.source = "FILE"
+        if packed:
+            b_tile.pack(data=packed.data, data_len=packed.size)
+        else:
+            b_tile.filepath = path
+        b_tile.colorspace_settings.name, b_tile.alpha_mode = b_image.colorspace_settings.name, b_image.alpha_mode
+        return read(b_tile)
+    finally:
+        bpy.data.images.remove(b_tile)

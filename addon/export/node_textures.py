@@ -4,6 +4,7 @@
 from ..core import graph, opcodes
 from .images import export_image
 from .node_inputs import vector_input
+from .pixels import has_cover
 
 Op, InputVector = opcodes.Op, opcodes.InputVector
 ZERO3 = (0.0, 0.0, 0.0)
@@ -44,13 +45,11 @@ def _alpha_or_color(values, node, output, groups, result):
 
 def _uses_alpha(node):
     """Whether colours are divided by alpha: as in Cycles, if somebody asks for alpha, and the image's is one."""
-    image = node.image
-    has_cover = image.alpha_mode not in ("CHANNEL_PACKED", "NONE") and not image.colorspace_settings.is_data
-    return has_cover and any(o.identifier == "Alpha" and o.is_linked for o in node.outputs)
+    return has_cover(node.image) and any(o.identifier == "Alpha" and o.is_linked for o in node.outputs)
 
 
 def _image(values, node, output, groups):
-    image = export_image(values, node)
+    image = export_image(values, node, tiled=node.projection != "BOX")  # of tiles, box projection uses the first
     mode = opcodes.Interpolation[node.interpolation] + 4 * opcodes.Extension[node.extension]
     mode += 16 * opcodes.Projection[node.projection]
     if node.image is not None and _uses_alpha(node):

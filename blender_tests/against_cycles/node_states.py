@@ -35,8 +35,7 @@ PARTLY = {
     "LIGHT_PATH": "portals: 0; what samples a lamp or a world sees a depth of 0",
     "MATERIAL_RAYCAST": "attributes of what is hit are 0",
     "MIX": "rotations are not mixed",
-    "TEX_IMAGE": "of tiles and sequences the picture that Blender has loaded; colour spaces other than sRGB and linear "
-    "ones of bytes are taken as sRGB",
+    "TEX_IMAGE": "Cineon files, and alpha modes that do not fit the file: as Blender reads them",
     "PRINCIPLED_VOLUME": "attributes of volumes count as 1",
     "OUTPUT_MATERIAL": "the exporter reports what it leaves out of volume and displacement",
     "SHADERTORGB": "as in Cycles, which renders none: the value of the socket that it is linked to",

@@ -67,11 +67,12 @@ def square_with_attributes():
     return b_mesh
 
 
-def compared(cases):
+def compared(cases, frame=1):
     """{name: (Lambent's pixels, Cycles' pixels)} of the middle of each square, float32 (n, n, 3)."""
     if not hasattr(bpy.types.Scene, "lambent"):
         addon.register()
     scene = sheet(cases)
+    scene.frame_set(frame)
     with tempfile.TemporaryDirectory() as folder:
         scene.render.engine = "LAMBENT"
         scene.lambent.samples, scene.lambent.filter_type, scene.lambent.filter_width = 64, "BOX", 0.01

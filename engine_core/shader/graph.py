@@ -26,7 +26,7 @@ class Node:
     op: Op
     operands: tuple  # values
     mode: int = 0
-    data: object = None  # Image, Curve or name of an attribute
+    data: object = None  # Image, Tiles, Curve or name of an attribute
     shift: int = 0  # 1, 2: a bit further along the surface
 
     @property
@@ -56,7 +56,15 @@ class Image:
 
     name: str
     pixels: np.ndarray
-    is_srgb: bool = False  # of uint8
+    is_srgb: bool = False  # of uint8 or float32: colours with the curve of sRGB
+
+
+@dataclass(frozen=True, eq=False)
+class Tiles:
+    """Images side by side, each in a unit square of its own: rows of `columns`, the lowest first."""
+
+    columns: int
+    images: tuple
 
 
 def node(op, *operands, mode=0, data=None):

@@ -8,6 +8,7 @@ from ..linalg.transform import transform_normal
 from ..linalg.vec3 import BLACK, Vec3, load3
 from ..linalg.vector_math import safe_normalize
 from ..motion import instance_at, new_instance
+from ..program_tables import TexelFormat
 from ..texture import image as images
 from ..texture.image import Rgba
 from .maths import saturate
@@ -15,30 +16,37 @@ from .opcodes import UNASSOCIATE, Op, Projection
 from .operands import give_both, number, vector
 
 ZERO = np.float32(0.0)
+MISSING = Rgba(Vec3(1.0, 0.0, 1.0), np.float32(1.0))  # magenta, where there is no tile
 
 
 def run(scene, op, point, registers):
     """One step. The bits of `mode`: 2 for the interpolation, 2 the extension, 2 the projection, then UNASSOCIATE."""
     p = vector(op, registers, 0)
-    image = scene.images[op.data]
     projection = (op.mode >> 4) & 3
     if op.code == Op.ENVIRONMENT:
         w = safe_normalize(p)
         u, v = images.equirectangular(w) if projection == 0 else images.mirror_ball(w)
-        rgba = look(scene, op, image, u, v)
+        rgba = look(scene, op, u, v)
     elif projection == Projection.BOX:
-        rgba = look_at_box(scene, op, image, p, object_normal(scene, point), number(op, registers, 1))
+        rgba = look_at_box(scene, op, p, object_normal(scene, point), number(op, registers, 1))
     else:
         u, v = p.x, p.y
         if projection != Projection.FLAT:
             p = (p - Vec3(0.5, 0.5, 0.5)) * 2.0
             u, v = images.sphere_to_square(p) if projection == Projection.SPHERE else images.tube_to_square(p)
-        rgba = look(scene, op, image, u, v)
+        rgba = look(scene, op, u, v)
     give_both(op, registers, rgba.color, rgba.alpha)
 
 
 @kernel
-def look(scene, op, image, u, v):
+def look(scene, op, u, v):
+    image = scene.images[op.data]
+    if image.format == TexelFormat.TILES:
+        column, row = images.tile_at(image, u, v)
+        if column < 0:
+            return MISSING
+        image = scene.images[image.first + row * image.width + column]
+        u, v = u - np.float32(column), v - np.float32(row)
     rgba = images.lookup(scene, image, u, v, op.mode & 3, (op.mode >> 2) & 3)
     return images.decoded(image, rgba, (op.mode & UNASSOCIATE) != 0)
 
@@ -54,7 +62,7 @@ def object_normal(scene, point):
 
 
 @kernel
-def look_at_box(scene, op, image, p, n, blend):
+def look_at_box(scene, op, p, n, blend):
     """The image from the side that the normal points to, blended where it points between sides."""
     weights = box_weights(Vec3(abs(n.x), abs(n.y), abs(n.z)), blend)
     color, alpha = BLACK, ZERO
@@ -66,7 +74,7 @@ def look_at_box(scene, op, image, p, n, blend):
         else:
             share, u, v = weights.z, (1.0 - p.y if n.z > 0.0 else p.y), p.x
         if share > 0.0:
-            rgba = look(scene, op, image, u, v)
+            rgba = look(scene, op, u, v)
             color = color + rgba.color * share
             alpha += rgba.alpha * share
     return Rgba(color, alpha)

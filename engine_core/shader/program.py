@@ -9,11 +9,12 @@ import numpy as np
 
 from ..program_tables import CLOSURE, CURVE, CURVE_SIZE, IMAGE, MAX_REGISTERS, OP, PATCH, PROGRAM, TEXEL, TexelFormat
 from . import link
-from .graph import GraphError, Node, Part, is_constant, nodes_below, width
+from .graph import GraphError, Node, Part, Tiles, is_constant, nodes_below, width
 from .opcodes import SIGNATURES
 
 MOST_OPS = 4096
 FORMATS = {np.uint8: TexelFormat.BYTE, np.float16: TexelFormat.HALF, np.float32: TexelFormat.FLOAT}
+ENCODED = {np.uint8: TexelFormat.SRGB, np.float32: TexelFormat.SRGB_FLOAT}
 FIELDS = {name: CLOSURE.fields[name][1] // 4 for name in CLOSURE.names}  # number of the float of each field
 
 
@@ -126,7 +127,14 @@ class ProgramTables:
                 names.append(data)
             return names.index(data)
         if data not in self._rows:
-            self._rows[data] = self._add_curve(data) if table == "curves" else self._add_image(data)
+            add = (
+                self._add_curve
+                if table == "curves"
+                else self._add_tiles
+                if isinstance(data, Tiles)
+                else self._add_image
+            )
+            self._rows[data] = add(data)
         return self._rows[data]
 
     def _add_curve(self, curve):
@@ -139,7 +147,7 @@ class ProgramTables:
         height, width, channels = image.pixels.shape
         row = np.zeros(1, IMAGE)[0]
         row["width"], row["height"], row["channels"] = width, height, channels
-        row["format"] = TexelFormat.SRGB if image.is_srgb else FORMATS[image.pixels.dtype.type]
+        row["format"] = (ENCODED if image.is_srgb else FORMATS)[image.pixels.dtype.type]
         row["first"] = self._texel_count
         raw = np.ascontiguousarray(image.pixels).view(np.uint8).ravel()
         words = np.zeros(-(-raw.size // 4), np.uint32)
@@ -148,6 +156,14 @@ class ProgramTables:
         self._texel_count += len(words)
         self.images.append(row)
         return len(self.images) - 1
+
+    def _add_tiles(self, tiles):
+        rows = [self._data("images", image) for image in tiles.images]
+        header = np.zeros(1, IMAGE)[0]
+        header["width"], header["height"] = tiles.columns, len(tiles.images) // tiles.columns
+        header["channels"], header["format"], header["first"] = 4, TexelFormat.TILES, len(self.images) + 1
+        self.images += [header, *(self.images[row] for row in rows)]
+        return int(header["first"]) - 1
 
 
 def _program(ops, op_count, closures, closure_count):

@@ -86,7 +86,14 @@ def _images(tables):
         yield "there are images of no known format"
     if (images["width"] < 1).any() or (images["height"] < 1).any():
         yield "there are images without pixels"
-    size = np.select([formats == TexelFormat.HALF, formats == TexelFormat.FLOAT], [2, 4], 1).astype(np.int64)
+    is_tiled = formats == TexelFormat.TILES
+    tiles, images = images[is_tiled], images[~is_tiled]
+    counts = tiles["width"].astype(np.int64) * tiles["height"]
+    yield from _ranges(tiles["first"], counts, len(is_tiled), "images side by side")
+    if any(is_tiled[first : first + count].any() for first, count in zip(tiles["first"], counts, strict=True)):
+        yield "images side by side are such themselves"
+    formats, channels = images["format"], images["channels"]
+    size = np.select([formats == TexelFormat.HALF, formats >= TexelFormat.FLOAT], [2, 4], 1).astype(np.int64)
     numbers = images["width"].astype(np.int64) * images["height"] * channels
     yield from _ranges(images["first"], (numbers * size + 3) // 4, len(tables["texels"]), "pixels of images")
 

@@ -129,6 +129,15 @@ def lookup(scene, image, u, v, interpolation, extension):
 
 
 @kernel
+def tile_at(image, u, v):
+    """Column and row of the tile at (u, v); -1: there is none. What is less than a tile below 0 belongs to the first,
+    as in Cycles."""
+    if not (-1.0 < u < np.float32(image.width) and -1.0 < v < np.float32(image.height)):
+        return -1, -1
+    return int(u), int(v)
+
+
+@kernel
 def weight(i, t, interpolation):
     """Of neighbour `i` at a place `t` between two pixels: a line, or a cubic B-spline."""
     if interpolation == LINEAR:
@@ -149,7 +158,7 @@ def decoded(image, rgba, unassociate):
     color = rgba.color
     if unassociate and rgba.alpha != 0.0 and rgba.alpha != 1.0:
         color = color * (1.0 / rgba.alpha)
-    if image.format == TexelFormat.SRGB:
+    if image.format == TexelFormat.SRGB or image.format == TexelFormat.SRGB_FLOAT:
         color = Vec3(srgb_to_linear(color.x), srgb_to_linear(color.y), srgb_to_linear(color.z))
     return Rgba(color, rgba.alpha)
 
