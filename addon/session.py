@@ -51,10 +51,25 @@ def settings_from(b_scene, crop, overrides=None):
         clamp_indirect=ours.clamp_indirect,
         filter_kind=int(FilterKind[ours.filter_type]),
         filter_width=ours.filter_width,
+        share_samples=int(ours.use_shared_samples and not is_denoised(b_scene)),
         transparent_background=int(b_scene.render.film_transparent),
         exposure=ours.exposure,
     )
     return settings._replace(**(overrides or {}))
+
+
+def is_denoised(b_scene):
+    """Whether the picture is to be denoised: layers keep data for it, or the compositor has a node that does it."""
+    if any(b_layer.lambent.use_pass_denoising_data for b_layer in b_scene.view_layers):
+        return True
+    b_tree = b_scene.compositing_node_group if hasattr(b_scene, "compositing_node_group") else b_scene.node_tree
+    return b_scene.render.use_compositing and has_denoise_node(b_tree)
+
+
+def has_denoise_node(b_tree):
+    """Whether a Denoise node is in a tree of the compositor, or in a group of it."""
+    nodes = [node for node in b_tree.nodes if not node.mute] if b_tree else []
+    return any(n.type == "DENOISE" or (n.type == "GROUP" and has_denoise_node(n.node_tree)) for n in nodes)
 
 
 class Session:

@@ -56,6 +56,7 @@ class Settings(NamedTuple):
     clamp_indirect: float = 0.0
     filter_kind: int = FilterKind.BLACKMAN_HARRIS
     filter_width: float = 1.5  # in pixels
+    share_samples: int = 1  # 1: a sample counts for all pixels whose filter reaches it; 0: for one, as denoisers want
     transparent_background: int = 0  # 1: camera rays that miss leave alpha 0
     exposure: float = 1.0
 

@@ -439,6 +439,7 @@ PIXEL = np.dtype(
         ("target", "i4"),  # ... and shall have
     ]
 )
+SHARE = np.dtype([("radiance", "f4", (3,)), ("alpha", "f4"), ("weight", "f4")])  # sums, for film.sharing
 CONTROL = np.dtype([("cancel", "i4")])  # set to 1 by any thread: kernels stop at the next row of pixels
 
 
@@ -446,5 +447,6 @@ class Film(Tables):
     """Where radiance lands: `width * height` pixels, bottom row first, and the flag that stops kernels."""
 
     pixels = PIXEL
+    shares = SHARE  # nine for each pixel: what it gives to those around it; none if samples count for one pixel
     control = CONTROL
     lessons = LESSON

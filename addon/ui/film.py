@@ -20,6 +20,7 @@ class FilmPanel(LambentPanel, bpy.types.Panel):
         column.prop(ours, "filter_type")
         if ours.filter_type != "BOX":
             column.prop(ours, "filter_width", text="Width")
+            column.prop(ours, "use_shared_samples")
 
 
 CLASSES = (FilmPanel,)

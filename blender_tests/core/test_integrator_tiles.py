@@ -25,16 +25,20 @@ def room():
 
 @pytest.mark.parametrize("adaptive", [0, 1])
 def test_threads_do_not_change_the_picture(room, adaptive):
-    pictures = [picture(room, threads, size=100, samples=20, adaptive=adaptive) for threads in (1, 2, 7)]
+    changes = {"size": 100, "samples": 20, "adaptive": adaptive, "share_samples": 1}
+    pictures = [picture(room, threads, **changes) for threads in (1, 2, 7)]
     assert pictures[0].std() > 0.01
     np.testing.assert_array_equal(pictures[0], pictures[1])
     np.testing.assert_array_equal(pictures[0], pictures[2])
 
 
-def test_a_crop_is_a_part_of_the_whole(room):
-    whole = picture(room, size=100, samples=4)
-    part = picture(room, size=100, samples=4, crop_x=30, crop_y=10, crop_width=50, crop_height=77)
-    np.testing.assert_array_equal(part, whole[10:87, 30:80])
+@pytest.mark.parametrize("share", [0, 1])
+def test_a_crop_is_a_part_of_the_whole(room, share):
+    """Where pixels share samples, those at its border and next to it have other ones."""
+    whole = picture(room, size=100, samples=4, share_samples=share)
+    part = picture(room, size=100, samples=4, share_samples=share, crop_x=30, crop_y=10, crop_width=50, crop_height=77)
+    inner = slice(2 * share, -2 * share or None)
+    np.testing.assert_array_equal(part[inner, inner], whole[10:87, 30:80][inner, inner])
 
 
 def test_seeds_give_other_noise(room):
@@ -136,7 +140,9 @@ def test_error_estimate_is_right(box_reference, samples, adaptive):
     scene, reference = box_reference
     ratios = []
     for seed in (1, 2, 3):
-        render = Render(scene, settings(48, samples=samples, seed=seed, adaptive=adaptive, max_bounces=4))
+        render = Render(
+            scene, settings(48, samples=samples, seed=seed, adaptive=adaptive, max_bounces=4, share_samples=1)
+        )
         render.run()
         x = render.image("Combined")[..., :3].mean(axis=-1)
         true = np.sqrt(np.mean((x - reference) ** 2 / (reference**2 + 0.01)))
@@ -166,7 +172,7 @@ def test_adaptive_and_uniform_pictures_agree():
     def means(count, **changes):
         values = []
         for seed in range(count):
-            render = Render(scene, settings(32, seed=seed, **changes))
+            render = Render(scene, settings(32, seed=seed, share_samples=1, **changes))
             render.run()
             values.append(render.image("Combined")[..., :3].mean(dtype=float))
         return np.mean(values), np.std(values) / np.sqrt(count)

@@ -18,11 +18,15 @@ CUBE_TRIANGLES = np.array(  # seen from outside, counter-clockwise
 
 
 def settings(size=16, **changes):
-    """Settings for a square picture of `size` pixels; bounces are unlimited unless `changes` says otherwise."""
+    """Settings for a square picture of `size` pixels.
+
+    Unless `changes` say otherwise, bounces are unlimited, and pixels share no samples: their errors are independent.
+    """
     bounces = dict.fromkeys(
         ("max_bounces", "diffuse_bounces", "glossy_bounces", "transmission_bounces", "volume_bounces"), 1000
     )
-    values = {"width": size, "height": size, "crop_width": size, "crop_height": size, **bounces, **changes}
+    values = {"width": size, "height": size, "crop_width": size, "crop_height": size, "share_samples": 0}
+    values |= {**bounces, **changes}
     return Settings(**values)
 
 

@@ -18,6 +18,8 @@ import math
 
 import numpy as np
 
+from . import passes
+
 RADIUS = 2  # of the square of neighbours, in pixels: 5 x 5
 DARK = 0.01  # radiance^2: errors count in relation to the radiance, but not where there is next to none
 LEAST_GROWTH = 1.4  # of a pixel's samples, before its movement is measured again
@@ -36,6 +38,7 @@ class Noise:
         self._spread = np.zeros(shape, np.float32)  # sum of D^2 n (r n): n times the variance of one sample
         self._weight = None  # 1 / (radiance^2 + DARK) of the neighbours
         self._decay = None  # p
+        self._picture, self._kept = None, 1.0  # when last measured; part of the pixels' noise that is in the picture
         self._error, self._samples = math.nan, 0.0  # of the picture, and samples of a pixel on average
 
     def update(self, is_steady=True):
@@ -55,6 +58,8 @@ class Noise:
         self._spread += np.where(has_moved, moved * count * self._count, 0.0)
         if is_steady:
             self._learn_decay(has_moved & (growth == 2.0) & (self._growth == 2.0), moved)
+        if len(self._film.shares) > 0 and measured.all():
+            self._learn_sharing(moved)
         self._moved, self._growth = moved, growth
         self._mean, self._count = np.where(measured, mean, self._mean), np.where(measured, count, self._count)
 
@@ -63,7 +68,15 @@ class Noise:
             movement = self._weight * moved
             decay = np.where(movement > threshold(movement), 1.0, self.decay)
             variance = movement / (growth**decay - 1.0) * (self._count / count) ** decay
-            self._error = math.sqrt(variance.mean(dtype=np.float64))
+            self._error = math.sqrt(self._kept * variance.mean(dtype=np.float64))
+
+    def _learn_sharing(self, moved):
+        """What pixels show where samples count for several moves less than the mean of their own samples: how much?"""
+        picture = passes.image(self._film, "Combined")[..., :3].mean(axis=-1)
+        if self._picture is not None and moved.any():
+            shown = self._weight * (picture - self._picture) ** 2
+            self._kept = float(shown.sum(dtype=np.float64) / (self._weight * moved).sum(dtype=np.float64))
+        self._picture = picture
 
     def _learn_decay(self, doubled_twice, moved):
         if doubled_twice.mean() < 0.1:

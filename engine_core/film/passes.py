@@ -3,15 +3,17 @@
 
 import numpy as np
 
-from ..tables import CONTROL, LESSON, PIXEL, Film
+from ..tables import CONTROL, LESSON, PIXEL, SHARE, Film
+from .sharing import NEIGHBOURS, develop
 
 NO_DEPTH = 1e10  # what the depth pass says where nothing was hit, as in Cycles
 
 
-def make_film(width, height, lessons=None):
+def make_film(width, height, lessons=None, shares_samples=False):
     """An empty film of `width` x `height` pixels. `lessons`: rows of LESSON, if paths leave any."""
     lessons = np.zeros(0, LESSON) if lessons is None else lessons
-    film = Film(pixels=np.zeros(width * height, PIXEL), control=np.zeros(1, CONTROL), lessons=lessons)
+    shares = np.zeros(width * height * NEIGHBOURS if shares_samples else 0, SHARE)
+    film = Film(pixels=np.zeros(width * height, PIXEL), shares=shares, control=np.zeros(1, CONTROL), lessons=lessons)
     film.width, film.height = width, height
     return film
 
@@ -30,6 +32,11 @@ def image(film, name, tile=None):
 
     Colours are linear and premultiplied by alpha. Raises KeyError for a pass that there is not.
     """
+    if name == "Combined" and len(film.shares) > 0:
+        x, y, width, height = tile or (0, 0, film.width, film.height)
+        picture = np.empty((height, width, 4), np.float32)
+        develop(film, film.width, film.height, x, y, picture)
+        return picture
     return PASSES[name][1](pixels(film, tile))
 
 

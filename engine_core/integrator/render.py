@@ -10,6 +10,7 @@ import numpy as np
 
 from ..camera.dispatch import generate_ray
 from ..film.filter import sample_filter
+from ..film.sharing import area_of, give
 from ..jit import kernel, variant
 from ..linalg.transform import transform_point, transform_vector
 from ..linalg.vec3 import BLACK, Vec3, dot, load3, store3
@@ -50,13 +51,16 @@ def render_tile(scene, settings, film, x0, y0, width, height, most):
             if count <= 0:
                 continue
             frame_x, frame_y = x + settings.crop_x, y + settings.crop_y
-            sequence = make_sequence(settings, frame_x, frame_y)
+            sequence, area = make_sequence(settings, frame_x, frame_y), area_of(settings, x, y)
             radiance, normal, albedo = BLACK, BLACK, BLACK
             alpha = np.float32(0.0)
             for index in range(pixel.samples, pixel.samples + count):
                 sampler = make_sampler(sequence, index)
                 u0, u1 = sample_2d(sampler, 0)
-                dx, dy = sample_filter(settings, u0, u1)
+                if settings.share_samples != 0:
+                    dx, dy = area.x + u0 * area.width - 0.5, area.y + u1 * area.height - 0.5
+                else:
+                    dx, dy = sample_filter(settings, u0, u1)
                 u0, u1 = sample_2d(sampler, 1)
                 time = shutter_time(scene.camera[0], sample_1d(sampler, 2)) if moving else ZERO
                 camera = camera_at(scene, time, scratch)
@@ -71,6 +75,8 @@ def render_tile(scene, settings, film, x0, y0, width, height, most):
                 L = s.L * settings.exposure
                 if not math.isfinite(L.x + L.y + L.z):
                     L = BLACK  # one overflow in a million samples must not cost the pixel
+                if settings.share_samples != 0:
+                    give(film, settings, y * settings.crop_width + x, area, dx, dy, L, s.alpha)
                 radiance = radiance + L
                 alpha += s.alpha
                 scattered = s.scattered * settings.exposure if math.isfinite(s.scattered) else np.float32(0.0)

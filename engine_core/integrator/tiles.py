@@ -22,7 +22,7 @@ import time
 
 import numpy as np
 
-from ..film import adaptive, passes
+from ..film import adaptive, passes, sharing
 from ..film.noise import Noise
 from ..guiding.guide import FEWEST_PATHS, FEWEST_SAMPLES, Guide
 from ..sampling.sobol import index_bits
@@ -57,11 +57,13 @@ class Render:
     def __init__(self, scene, settings, threads=0, time_limit=0.0):
         if settings.crop_width < 1 or settings.crop_height < 1 or settings.samples < 1:
             raise ValueError("a render needs at least one pixel and one sample")
-        self.scene, self.settings = scene, Settings(*settings).plain()
+        shares = int(settings.share_samples != 0 and sharing.can_share(settings))
+        self.scene, self.settings = scene, Settings(*settings)._replace(share_samples=shares).plain()
         self.guide = make_guide(scene, self.settings)
         if self.guide is not None:
             self.scene = self.guide.scene
-        self.film = passes.make_film(settings.crop_width, settings.crop_height, self.guide and self.guide.lessons)
+        lessons = self.guide and self.guide.lessons
+        self.film = passes.make_film(settings.crop_width, settings.crop_height, lessons, shares != 0)
         self.threads = threads if threads > 0 else available_processors()
         self.time_limit = time_limit
         self.tiles = make_tiles(settings.crop_width, settings.crop_height)
