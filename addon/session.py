@@ -62,7 +62,10 @@ def is_denoised(b_scene):
     """Whether the picture is to be denoised: layers keep data for it, or the compositor has a node that does it."""
     if any(b_layer.lambent.use_pass_denoising_data for b_layer in b_scene.view_layers):
         return True
-    b_tree = b_scene.compositing_node_group if hasattr(b_scene, "compositing_node_group") else b_scene.node_tree
+    if hasattr(b_scene, "compositing_node_group"):
+        b_tree = b_scene.compositing_node_group
+    else:  # before Blender 5
+        b_tree = b_scene.node_tree if b_scene.use_nodes else None
     return b_scene.render.use_compositing and has_denoise_node(b_tree)
 
 

@@ -84,6 +84,30 @@ def test_an_untouched_scene_asks_for_the_default_settings(registered):
     assert given._asdict() == pytest.approx(default._asdict())
 
 
+def test_denoisers_get_pixels_that_share_no_samples(registered):
+    from addon.session import settings_from
+
+    scene = small_scene()
+    crop = result.Crop(0, 0, 512, 512, 512, 512)
+    assert settings_from(scene, crop).share_samples == 1
+    scene.view_layers[0].lambent.use_pass_denoising_data = True
+    assert settings_from(scene, crop).share_samples == 0
+    scene.view_layers[0].lambent.use_pass_denoising_data = False
+
+    inner, outer = (bpy.data.node_groups.new(name, "CompositorNodeTree") for name in ("Inner", "Outer"))
+    outer.nodes.new("CompositorNodeGroup").node_tree = inner
+    if hasattr(scene, "compositing_node_group"):
+        scene.compositing_node_group = outer
+    else:
+        scene.use_nodes = True
+        scene.node_tree.nodes.new("CompositorNodeGroup").node_tree = outer
+    assert settings_from(scene, crop).share_samples == 1
+    node = inner.nodes.new("CompositorNodeDenoise")
+    assert settings_from(scene, crop).share_samples == 0
+    node.mute = True
+    assert settings_from(scene, crop).share_samples == 1
+
+
 def test_every_pass_of_the_engine_can_be_had():
     assert {name: channels for name, (channels, _, _) in result.PASSES.items()} == {
         name: channels for name, (channels, _) in passes.PASSES.items()

@@ -110,7 +110,10 @@ def develop(film, width, height, x0, y0, picture):
                 L = L + load3(share, "radiance") * scale
                 alpha += share.alpha * scale
                 weights += share.weight * scale
-            scale = 1.0 / weights if weights > 0.0 else ZERO
+            if weights == 0.0:
+                picture[row, column, :] = ZERO
+                continue
+            scale = 1.0 / weights
             L = L * scale
             picture[row, column, 0], picture[row, column, 1], picture[row, column, 2] = L.x, L.y, L.z
-            picture[row, column, 3] = alpha * scale
+            picture[row, column, 3] = alpha * scale if alpha < weights else np.float32(1.0)
