@@ -9,7 +9,7 @@ from enum import IntEnum, IntFlag
 
 import numpy as np
 
-from .guide_tables import GUIDE, GUIDE_BRANCH, GUIDE_CELL, LESSON
+from .guide_tables import GUIDE, GUIDE_BRANCH, GUIDE_CELL
 from .linalg.records import Tables
 from .medium_tables import MEDIUM, PHASE
 from .program_tables import (
@@ -421,32 +421,3 @@ class Scene(Tables):
     guide_cells = GUIDE_CELL
     camera = CAMERA
     world = WORLD
-
-
-# ---- The film --------------------------------------------------------------------------------------------------------
-
-PIXEL = np.dtype(
-    [  # sums over samples
-        ("radiance", "f4", (3,)),
-        ("alpha", "f4"),
-        ("depth", "f4"),  # of the first sample
-        ("normal", "f4", (3,)),
-        ("albedo", "f4", (3,)),
-        ("position", "f4", (3,)),  # of the first sample
-        ("scattered", "f4"),  # the part of radiance that guiding could find, the mean of colours ...
-        ("scattered_square", "f4"),  # ... and its square
-        ("samples", "i4"),  # that it has ...
-        ("target", "i4"),  # ... and shall have
-    ]
-)
-SHARE = np.dtype([("radiance", "f4", (3,)), ("alpha", "f4"), ("weight", "f4")])  # sums, for film.sharing
-CONTROL = np.dtype([("cancel", "i4")])  # set to 1 by any thread: kernels stop at the next row of pixels
-
-
-class Film(Tables):
-    """Where radiance lands: `width * height` pixels, bottom row first, and the flag that stops kernels."""
-
-    pixels = PIXEL
-    shares = SHARE  # nine for each pixel: what it gives to those around it; none if samples count for one pixel
-    control = CONTROL
-    lessons = LESSON

@@ -13,6 +13,7 @@ RANKS_OF_ENGINE = [
         "program_tables",
         "medium_tables",
         "guide_tables",
+        "film_tables",
         "settings",
         "linalg",
     },  # these few may know each other

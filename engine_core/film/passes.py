@@ -3,7 +3,8 @@
 
 import numpy as np
 
-from ..tables import CONTROL, LESSON, PIXEL, SHARE, Film
+from ..film_tables import CONTROL, PIXEL, SHARE, Film
+from ..guide_tables import LESSON
 from .sharing import NEIGHBOURS, develop
 
 NO_DEPTH = 1e10  # what the depth pass says where nothing was hit, as in Cycles
