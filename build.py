@@ -6,14 +6,13 @@ import argparse
 import json
 import os
 import re
-import shutil
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 from tools import environment, extension
 from tools.environment import PYTHON_OF_BLENDER, ROOT, UserError, say
+from tools.progress import Progress
 
 TESTS = ROOT / "blender_tests"
 LEVELS = ["core", "radiance", "structure", "blender", "window", "against_cycles"]
@@ -33,6 +32,7 @@ examples:
   python3 build.py bench noise --scenes cornell_box,interior              how soon is a picture free of noise?
   python3 build.py figures                         the pictures and plots of docs/figures.md
   python3 build.py gallery --only cornell_box      the worlds of docs/gallery, beside Cycles
+  python3 build.py fuzz --minutes 60               random shader programs, in search of one that fails
   python3 build.py package                         dist/lambent-*.zip, to install in Blender
 
 Each command makes what it needs first: a virtual environment in .venv with Blender 5.2 LTS as a Python module
@@ -171,37 +171,6 @@ def relative(path):
         return path
 
 
-class Progress:
-    """One line that is written over on a terminal; elsewhere a line now and then."""
-
-    def __init__(self):
-        self.start = self.last = time.monotonic()
-        self.is_terminal = sys.stdout.isatty()
-        self.is_shown = False
-
-    def elapsed(self):
-        return time.monotonic() - self.start
-
-    def show(self, fraction, text):
-        now = time.monotonic()
-        if now - self.last < (0.1 if self.is_terminal else 5.0):
-            return
-        self.last = now
-        line = f"{100 * fraction:3.0f} %  {text}" if fraction is not None else f"       {text}"
-        if not self.is_terminal:
-            return say(line)
-        width = shutil.get_terminal_size().columns - 1
-        sys.stdout.write("\r" + line[:width].ljust(width))
-        sys.stdout.flush()
-        self.is_shown = True
-
-    def clear(self):
-        if self.is_shown:
-            width = shutil.get_terminal_size().columns - 1
-            sys.stdout.write("\r" + " " * width + "\r")
-            self.is_shown = False
-
-
 # ---- test, bench, package --------------------------------------------------------------------------------------------
 
 
@@ -269,6 +238,12 @@ def command_gallery(arguments, _):
     if arguments.samples:
         words += ["--samples", str(arguments.samples)]
     return subprocess.call([str(python), "-m", "blender_tests.bench.gallery", *words], cwd=str(ROOT))
+
+
+def command_fuzz(arguments, _):
+    words = ["--minutes", str(arguments.minutes), "--seed", str(arguments.seed)]
+    words += ["--only", str(arguments.only)] if arguments.only is not None else []
+    return subprocess.call([str(environment.environment()), "-m", "blender_tests.fuzz", *words], cwd=str(ROOT))
 
 
 def command_package(arguments, _):
@@ -402,6 +377,11 @@ def parser():
     sub.add_argument("--only", action="append", default=[], metavar="NAME", help="of scenes_blend; may be repeated")
     sub.add_argument("-o", "--output", metavar="DIR", default=str(ROOT / "docs" / "gallery"), help="(docs/gallery)")
     sub.add_argument("--blender-version", **lts)
+
+    sub = add("fuzz", command_fuzz, "render random shader programs, and tell the seeds of those that fail")
+    sub.add_argument("--minutes", type=at_least(0.01, float), default=60.0, metavar="N", help="(default: 60)")
+    sub.add_argument("--seed", type=at_least(0), default=0, metavar="S", help="of the first one (default: 0)")
+    sub.add_argument("--only", type=at_least(0), metavar="S", help="that seed alone")
 
     sub = add("package", command_package, "pack the extension for Blender into dist/")
     sub.add_argument(

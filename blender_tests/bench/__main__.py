@@ -29,6 +29,7 @@ PARTS = (
     "integrators",
     "profile",
     "textures",
+    "materials",
     "compile",
     "export",
     "build",

@@ -23,7 +23,7 @@ def test_it_tells_what_it_can_do():
     result = build()
 
     assert result.returncode == 0
-    for command in ("setup", "render", "compare", "test", "bench", "figures", "gallery", "package", "check"):
+    for command in ("setup", "render", "compare", "test", "bench", "figures", "gallery", "fuzz", "package", "check"):
         assert re.search(rf"^    {command} +\w", result.stdout, re.MULTILINE)
     assert "python3 build.py render scenes_blend/cornell_box.blend" in result.stdout
 
@@ -42,6 +42,7 @@ def test_it_tells_what_it_can_do():
         (["compare", "x.blend", "--samples", "4", "--seconds", "2"], "not allowed with argument --samples"),
         (["compare", "x.blend", "--reference", "1"], "1 is out of range: at least 2"),
         (["gallery", "--samples", "none"], "'none' is no number"),
+        (["fuzz", "--minutes", "0"], "0 is out of range"),
         (["rendre"], "invalid choice: 'rendre'"),
     ],
     ids=lambda value: " ".join(map(str, value)) if isinstance(value, list) else "",
