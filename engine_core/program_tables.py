@@ -24,6 +24,11 @@ class ClosureKind(IntEnum):
     VELVET = 12
     ASHIKHMIN_SHIRLEY = 13
     SUBSURFACE = 14
+    HAIR_COLOR = 15  # of a fibre, by the colour of much of it
+    HAIR_MELANIN = 16  # ... by its pigments, and color to tint it
+    HAIR_ABSORPTION = 17  # ... color is what it absorbs in one radius
+    HAIR_REFLECTION = 18  # of the Hair node
+    HAIR_TRANSMISSION = 19
 
 
 class TexelFormat(IntEnum):
@@ -65,10 +70,17 @@ CLOSURE = np.dtype(
         ("color", "f4", (3,)),
         ("roughness", "f4"),
         ("anisotropy", "f4"),
-        ("smooth", "f4"),  # TOON
+        ("smooth", "f4"),  # TOON; HAIR: roughness around the fibre
         ("ior", "f4"),
         ("edge_tint", "f4", (3,)),  # METALLIC, CONDUCTOR; PRINCIPLED: specular tint
         ("metallic", "f4"),
+        ("melanin", "f4"),  # this and the next six: HAIR
+        ("redness", "f4"),  # share of pheomelanin
+        ("coat", "f4"),
+        ("tilt", "f4"),  # of its scales, radians
+        ("random", "f4"),  # 0 to 1, a number of the strand ...
+        ("random_color", "f4"),  # ... and how far it changes the amount of melanin ...
+        ("random_roughness", "f4"),  # ... and both kinds of roughness
         ("alpha", "f4"),
         ("specular_level", "f4"),
         ("transmission", "f4"),
@@ -145,6 +157,15 @@ OBJECT = np.dtype(
         ("number", "i4"),  # see INSTANCE_VALUE
         ("lift_below", "f4"),  # shadow rays at a cosine below this leave from where its smooth surface would be
         ("shadow_stretch", "f4"),  # angles to its normals count for so much in how bright it is; 1: for what they are
+    ]
+)
+STRAND = np.dtype(
+    [  # what programs ask of a piece of a hair
+        ("start", "f4"),  # where it begins and ends on its hair, 0 to 1 of its length
+        ("end", "f4"),
+        ("length", "f4"),  # of the whole hair, object space
+        ("random", "f4"),  # 0 to 1, a number of the hair
+        ("uv", "f4", (2,)),  # of the place where the hair grows
     ]
 )
 REGISTERS = np.dtype([("value", "f4", (MAX_REGISTERS,))])

@@ -25,6 +25,7 @@ from .program_tables import (
     OP,
     PATCH,
     PROGRAM,
+    STRAND,
     TEXEL,
 )
 
@@ -46,6 +47,7 @@ class ShapeKind(IntEnum):
     DISK = 2  # half axes u and v, front along u x v; an ellipse
     FACING_DISK = 3  # radius; turned towards whoever looks: Blender's soft point and spot lights
     BOX = 4  # half edges u and v at right angles, and along u x v a third one of length radius
+    STRAND = 5  # a piece of a hair: from p to p + u, radius to radius_end thick, cut across v at p and w at p + u
 
 
 class LobeKind(IntEnum):
@@ -66,9 +68,13 @@ class LobeKind(IntEnum):
     ASHIKHMIN_SHIRLEY = 12  # glossy reflection by powers of cosines, without Fresnel
     SUBSURFACE = 13  # the way in for light that is scattered below the surface: f0 is its colour, f82 its radius
     THIN_WALL = 14  # GGX through a thin pane
+    HAIR = 15  # all that a coloured dielectric fibre does: alpha_x, alpha_y, alpha_r its widths, f82 its absorption
+    HAIR_REFLECTION = 16  # of the Hair node: g is the tilt of the scales, as an angle
+    HAIR_TRANSMISSION = 17
 
 
 TRANSMITTING = (LobeKind.DIELECTRIC, LobeKind.REFRACTION, LobeKind.TRANSLUCENT, LobeKind.THIN_WALL)
+TRANSMITTING += (LobeKind.HAIR, LobeKind.HAIR_TRANSMISSION)
 
 
 class Facets(IntEnum):
@@ -126,8 +132,7 @@ class Visibility(IntFlag):
     ALL = 63
 
 
-# Objects that have no surface, only the boundary of a medium, have their Visibility in bits that stand higher by so
-# much: rays through media ask for both, and may look for surfaces alone.
+# Where the boundary of a medium is no surface its Visibility has bits higher by this: so rays may ask for surfaces alone.
 BOUNDARY_SHIFT = 6
 
 
@@ -141,6 +146,7 @@ class MaterialFlag(IntFlag):
     BOUNDARY = 64  # no surface: only where a medium begins
     LOCAL = 128  # its programs send rays that ask for nothing but the object itself
     PANE = 256  # may have a smooth thin wall, which shadow rays pass as if it were transparent
+    HAIR = 512  # has lobes of FIBRES, whose frames lie along strands
 
 
 # ---- Geometry --------------------------------------------------------------------------------------------------------
@@ -148,8 +154,7 @@ class MaterialFlag(IntFlag):
 NODE = np.dtype(
     [
         ("bounds", "f4", (6, 8)),  # rows: min x y z, max x y z; a child a column; an empty one is +inf, -inf
-        ("child", "i4", (8,)),  # >= 0: a node; < 0: a leaf, ~row, by the tree's kind
-        # of PACKET, SHAPE or INSTANCE
+        ("child", "i4", (8,)),  # >= 0: a node; < 0: a leaf, ~row, by the tree's kind of PACKET, SHAPE or INSTANCE
     ]
 )
 PACKET = np.dtype(
@@ -179,6 +184,9 @@ SHAPE = np.dtype(
         ("instance", "i4"),  # as in TRIANGLE
         ("light", "i4"),  # a lamp: row of LIGHT; else as in TRIANGLE
         ("number", "i4"),  # in its geometry
+        ("w", "f4", (3,)),  # this and the next two: STRAND. Unit, as is its v, and a tangent of the hair
+        ("radius_end", "f4"),
+        ("strand", "i4"),  # row of STRAND
     ]
 )
 INSTANCE = np.dtype(
@@ -213,6 +221,7 @@ LOBE = np.dtype(
         ("weight", "f4", (3,)),  # colour and mix factor; the albedo where the model has no Fresnel
         ("alpha_x", "f4"),  # microfacet widths, roughness ** 2; 0 is a perfect mirror
         ("alpha_y", "f4"),
+        ("alpha_r", "f4"),  # HAIR: variance of what its scales reflect
         ("facets", "i4"),  # Facets: of what shape the bumps of microfacets are
         (
             "loose",
@@ -227,7 +236,7 @@ LOBE = np.dtype(
         ("f82", "f4", (3,)),
         ("reflect_tint", "f4", (3,)),  # DIELECTRIC: colours of the two halves
         ("refract_tint", "f4", (3,)),
-        ("g", "f4"),  # SUBSURFACE: anisotropy of its phase function
+        ("g", "f4"),  # SUBSURFACE: anisotropy of its phase function; HAIR: sine of the tilt of its scales
         ("multiscatter", "i4"),  # 1: compensate the energy that single scattering loses (Turquin 2019)
         ("energy_scale", "f4"),  # at a hit: what that compensation came to
         ("layer", "i4"),  # lobes of one layer number lie under the covering ones before them; 0: under none
@@ -393,6 +402,7 @@ class Scene(Tables):
     packets = PACKET
     triangles = TRIANGLE
     shapes = SHAPE
+    strands = STRAND
     instances = INSTANCE
     objects = OBJECT
     slots = SLOT

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..core import Aim, Terminator, Visibility
+from .hair import read_curves, read_particle_hair
 from .hashes import hash_of_name, unit
 from .instance_values import InstanceValues
 from .light import aim_of, export_light
@@ -27,7 +28,6 @@ RAYS = {
     "visible_shadow": Visibility.SHADOW,
 }
 NOT_RENDERED = {
-    "CURVES": "hair curves",
     "VOLUME": "volume objects",
     "GREASEPENCIL": "grease pencil objects",
     "GPENCIL": "grease pencil objects",
@@ -48,14 +48,10 @@ class Source(NamedTuple):
 
 def export_instances(context):
     """Objects and lamps. Nothing of an instance may be kept: Blender reuses it for the next one."""
-    geometries, sources, parents = {}, {}, {}
+    geometries, sources, parents, hairs = {}, {}, {}, {}
     values = InstanceValues(context)
     for b_instance in context.depsgraph.object_instances:
         b_object = b_instance.object
-        if b_instance.show_particles:
-            _warn_of_hair(context, b_object)
-        if not b_instance.show_self:
-            continue
         visibility = Visibility.ALL
         if b_instance.is_instance:
             b_parent = b_instance.parent
@@ -63,6 +59,10 @@ def export_instances(context):
             if key not in parents:
                 parents[key] = _visibility(context, b_parent)
             visibility = parents[key]
+        if b_instance.show_particles and b_object.particle_systems and context.view_layer.use_strand:
+            _export_hair(context, b_instance, b_object, hairs, visibility, values)
+        if not b_instance.show_self:
+            continue
         if b_object.type == "LIGHT":
             matrix = np.array(b_instance.matrix_world[:])
             random = _random(b_instance, b_object.name)
@@ -133,6 +133,8 @@ def _geometry(context, b_object, geometries):
         geometry = _read_mesh(context, name, b_data) if shape == "MESH" else read_shape(context, name, b_data, shape)
     elif kind == "PointCloud" and len(b_data.points):
         geometry = context.builder.spheres(name, *point_arrays(b_data))
+    elif kind == "Curves" and context.view_layer.use_strand:
+        geometry = read_curves(context, name, b_data)
     elif b_object.type in NOT_RENDERED:
         context.warn(name, f"{NOT_RENDERED[b_object.type]} are not rendered yet; it is left out")
     geometries[key] = geometry
@@ -175,8 +177,25 @@ def _random(b_instance, name):
     return unit(number)
 
 
-def _warn_of_hair(context, b_object):
-    if any(
-        system.settings.type == "HAIR" and system.settings.render_type == "PATH" for system in b_object.particle_systems
-    ):
-        context.warn(b_object.name, "hair particles are not rendered yet; they are left out")
+def _export_hair(context, b_instance, b_object, hairs, visibility, values):
+    """What particle systems grow on an object, even where it is not shown itself."""
+    b_source = b_instance.instance_object if b_instance.is_instance else b_object
+    key = b_source.as_pointer()
+    if key not in hairs:
+        grown = read_particle_hair(context, b_object)
+        hairs[key] = grown, export_materials(context, b_object) if grown else ()
+    grown, materials = hairs[key]
+    visibility = int(visibility & _visibility(context, b_object))
+    for geometry, slot in grown:
+        if visibility:
+            context.builder.instance(
+                geometry,
+                np.array(b_instance.matrix_world[:]),
+                (materials[min(slot, len(materials) - 1)],),
+                b_object.name,
+                visibility,
+                b_object.pass_index,
+                _random(b_instance, b_object.name),
+                b_object.color,
+                values=values.of(b_instance),
+            )

@@ -66,6 +66,14 @@ PARTICLES = {  # name of the value, first float
     "Angular Velocity": (instance_values.PARTICLE_SPIN, 0),
 }
 POINTS = {"Position": (0, 3), "Radius": (3, 1), "Random": (4, 1)}  # first float, floats
+STRANDS = {
+    "Is Strand": InputNumber.IS_STRAND,
+    "Intercept": InputNumber.INTERCEPT,
+    "Length": InputNumber.STRAND_LENGTH,
+    "Thickness": InputNumber.THICKNESS,
+    "Tangent Normal": InputVector.STRAND_NORMAL,
+    "Random": InputNumber.STRAND_RANDOM,
+}
 RAYS = {
     "Is Camera Ray": InputNumber.IS_CAMERA,
     "Is Shadow Ray": InputNumber.IS_SHADOW,
@@ -121,6 +129,10 @@ def _particle_info(values, node, output, groups):
 
 def _point_info(values, node, output, groups):
     return graph.part(graph.node(Op.POINT_VALUE), *POINTS[output.identifier])
+
+
+def _curves_info(values, node, output, groups):
+    return _input(STRANDS[output.identifier])
 
 
 def _light_path(values, node, output, groups):
@@ -236,6 +248,7 @@ FUNCTIONS = {
     "LIGHT_PATH": _light_path,
     "PARTICLE_INFO": _particle_info,
     "POINT_INFO": _point_info,
+    "HAIR_INFO": _curves_info,
     "CAMERA": _camera_data,
     "UVMAP": _uv_map,
     "ATTRIBUTE": _attribute,

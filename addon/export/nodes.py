@@ -10,9 +10,20 @@ from ..core import ProgramTables, graph, opcodes
 from ..core import materials as m
 from .displacement import bumped_normal
 from .graph import Graph, by_identifier, has_nodes, label, source
-from .node_inputs import turned, vector_input
+from .node_inputs import number_input, turned, vector_input
 from .values import Values
 
+InputNumber = opcodes.InputNumber
+HAIR_SOCKETS = {"offset": "Offset", "roughness_u": "RoughnessU", "roughness_v": "RoughnessV"}
+PRINCIPLED_HAIR_SOCKETS = {
+    "roughness": "Roughness",
+    "radial_roughness": "Radial Roughness",
+    "coat": "Coat",
+    "ior": "IOR",
+    "offset": "Offset",
+    "random_color": "Random Color",
+    "random_roughness": "Random Roughness",
+}
 DEEPEST, MOST_CLOSURES = 100, 1000  # a tree may use a shader many times over, and so grow exponentially
 
 
@@ -249,17 +260,39 @@ class Translation:
         is_glossy = i.node.component == "GLOSSY"
         return m.Toon(i.color("Color"), i.number("Size"), i.number("Smooth"), is_glossy, i.normal())
 
+    def _bsdf_hair(self, i):
+        values = {name: i.number(socket) for name, socket in HAIR_SOCKETS.items()}
+        tangent = i.normal("Tangent")
+        return m.Hair(i.color("Color"), tangent=tangent, transmits=i.node.component == "Transmission", **values)
+
+    def _bsdf_hair_principled(self, i):
+        if i.node.model == "HUANG":
+            self.warn(i.node, "the Huang model is not rendered yet; Chiang instead")
+        values = {name: i.number(socket) for name, socket in PRINCIPLED_HAIR_SOCKETS.items()}
+        values["random"] = i.number("Random")
+        if not i.is_linked("Random"):  # what is set there is for surfaces without strands
+            of_others = graph.product(values["random"], graph.complement(number_input(InputNumber.IS_STRAND)))
+            values["random"] = graph.sum_of(number_input(InputNumber.STRAND_RANDOM), of_others)
+        if all(
+            graph.is_constant(values[name]) and values[name] == 0.0 for name in ("random_color", "random_roughness")
+        ):
+            values["random"] = 0.0
+        if i.node.model == "HUANG":
+            values["radial_roughness"], values["coat"] = values["roughness"], 0.0
+        if i.node.parametrization == "MELANIN":
+            values["melanin"], values["melanin_redness"] = i.number("Melanin"), i.number("Melanin Redness")
+            values["tint"] = i.color("Tint")
+        elif i.node.parametrization == "ABSORPTION":
+            values["absorption"] = i.color("Absorption Coefficient")
+        else:
+            values["color"] = i.color("Color")
+        return m.PrincipledHair(**values)
+
     # ---- Not there yet: the nearest of the above ----
 
     def _instead(self, i, closure):
         self.warn(i.node, f"{i.node.bl_label} is not rendered yet; {type(closure).__name__} instead")
         return closure
-
-    def _bsdf_hair_principled(self, i):
-        return self._instead(i, m.Diffuse(i.color("Color")))
-
-    def _bsdf_hair(self, i):
-        return self._instead(i, m.Glossy(i.color("Color"), i.number("RoughnessU")))
 
     def _bsdf_ray_portal(self, i):
         return self._instead(i, m.Transparent(i.color("Color")))
@@ -294,6 +327,9 @@ class Inputs:
     def normal(self, name="Normal"):
         """The normal that is linked, or None."""
         return self.translation.values.normal_or_none(self.node, self.groups, name)
+
+    def is_linked(self, name):
+        return self.translation.values.is_linked(self.node, self.groups, name)
 
     def number_or(self, name, otherwise):
         """A number that not every Blender has."""

@@ -28,8 +28,7 @@ Written by `python -m blender_tests.against_cycles.node_states`.
 """
 # What is left out of nodes that are translated
 PARTLY = {
-    "BSDF_HAIR": "a glossy surface instead",
-    "BSDF_HAIR_PRINCIPLED": "a diffuse surface instead",
+    "BSDF_HAIR_PRINCIPLED": "the Huang model is rendered as the Chiang model",
     "BSDF_RAY_PORTAL": "transparent instead",
     "EEVEE_SPECULAR": "a Principled BSDF instead; Cycles does not render it at all",
     "LIGHT_PATH": "portals: 0; what samples a lamp or a world sees a depth of 0",

@@ -145,21 +145,50 @@ def test_particles_are_instances():
     assert len(builder.geometries) == 2
 
 
-def test_strands_of_hair_are_named_as_missing():
-    emitter = add("Emitter", square())
+def hairy(**settings):
+    """An object on which 20 hairs grow, two metres long; the settings of its particles."""
+    emitter = add("Emitter", square(), **settings)
+    emitter.location, emitter.scale = (1, 2, 3), (2, 2, 2)
     emitter.modifiers.new("Particles", "PARTICLE_SYSTEM")
-    emitter.particle_systems[0].settings.type = "HAIR"
-    _, warnings = export()
-    assert warnings == ["Emitter: hair particles are not rendered yet; they are left out"]
+    settings = emitter.particle_systems[0].settings
+    settings.type, settings.count, settings.hair_length, settings.render_step = "HAIR", 20, 2.0, 3
+    settings.root_radius, settings.tip_radius, settings.radius_scale, settings.shape = 1.0, 0.5, 0.1, 0.0
+    settings.use_close_tip = False
+    return settings
+
+
+def test_hair_particles_become_strands():
+    hairy()
+    builder, warnings, _ = export_as_a_render()
+    assert warnings == []
+    ((_, hair),) = (found for found in map(with_geometry(builder), builder.placements) if hasattr(found[1], "strands"))
+    roots, tips = hair.strands["start"] == 0.0, np.isclose(hair.strands["end"], 1.0)
+    assert roots.sum() == tips.sum() == 20
+    assert np.abs(hair.rows["p"][roots][:, 2]).max() < 1e-5  # on the square, in its own space
+    np.testing.assert_allclose(hair.rows["radius"][roots], 0.05, rtol=1e-5)
+    np.testing.assert_allclose(hair.rows["radius_end"][tips], 0.025, rtol=1e-5)
+    assert len(np.unique(hair.strands["random"])) == 20
+
+
+def test_children_take_the_place_of_the_hairs_they_grow_around():
+    settings = hairy()
+    settings.child_type, settings.rendered_child_count, settings.child_percent = "SIMPLE", 5, 5
+    settings.use_close_tip = True
+    builder, _, _ = export_as_a_render()
+    ((_, hair),) = (found for found in map(with_geometry(builder), builder.placements) if hasattr(found[1], "strands"))
+    assert (hair.strands["start"] == 0.0).sum() == 100
+    assert (hair.rows["radius_end"][np.isclose(hair.strands["end"], 1.0)] == 0.0).all()
 
 
 def test_an_emitter_that_shows_only_its_hair_is_left_out():
-    emitter = add("Emitter", square(), show_instancer_for_viewport=False)
-    emitter.modifiers.new("Particles", "PARTICLE_SYSTEM")
-    emitter.particle_systems[0].settings.type = "HAIR"
-    builder, warnings = export()
-    assert builder.placements == []
-    assert len(warnings) == 1
+    hairy(show_instancer_for_render=False)
+    builder, _, _ = export_as_a_render()
+    assert len(builder.placements) == 1
+    assert hasattr(builder.geometries[builder.placements[0].geometry], "strands")
+
+
+def with_geometry(builder):
+    return lambda found: (found, builder.geometries[found.geometry])
 
 
 def test_an_instancer_that_shows_only_its_instances_is_left_out():

@@ -110,12 +110,34 @@ def test_broken_corners_cost_their_triangles_and_a_warning():
     assert any("Broken" in w and "not finite" in w for w in warnings)
 
 
-def test_hair_and_volumes_are_named_as_missing():
+def test_curves_become_strands():
+    fur = bpy.data.hair_curves.new("Fur")
+    fur.add_curves([2, 3])
+    positions = np.random.default_rng(1).random((5, 3)).astype(np.float32)
+    fur.attributes["position"].data.foreach_set("vector", positions.ravel())
+    fur.attributes.new("radius", "FLOAT", "POINT").data.foreach_set("value", np.full(5, 0.02, np.float32))
+    fur.attributes.new("surface_uv_coordinate", "FLOAT2", "CURVE").data.foreach_set("vector", [0.1, 0.2, 0.3, 0.4])
+    add("Fur", fur)
+    builder, warnings = export()
+    assert warnings == []
+    _, hair = placement(builder, "Fur")
+    np.testing.assert_allclose(hair.rows["p"][0], positions[0])
+    np.testing.assert_allclose(hair.rows["p"][-1] + hair.rows["u"][-1], positions[4], rtol=1e-5)
+    np.testing.assert_allclose(hair.rows["radius"], 0.02)
+    uvs = {tuple(np.round(uv, 3)) for uv in hair.strands["uv"].tolist()}
+    assert uvs == {(0.1, 0.2), (0.3, 0.4)}
+
+
+def test_empty_curves_are_nothing():
     add("Fur", bpy.data.hair_curves.new("Fur"))
+    builder, warnings = export()
+    assert (builder.placements, warnings) == ([], [])
+
+
+def test_volumes_are_named_as_missing():
     add("Smoke", bpy.data.volumes.new("Smoke"))
     builder, warnings = export()
     assert builder.placements == []
-    assert any(w.startswith("Fur: hair curves") for w in warnings)
     assert any(w.startswith("Smoke: volume") for w in warnings)
 
 

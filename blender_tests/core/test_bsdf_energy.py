@@ -9,7 +9,7 @@ import math
 import numpy as np
 import pytest
 
-from blender_tests.helpers.bsdfs import ALL_CASES, direction, evaluate_many, lobe, make_bsdf, sample_many
+from blender_tests.helpers.bsdfs import ALL_CASES, HAIR, direction, evaluate_many, lobe, make_bsdf, sample_many
 from blender_tests.helpers.chi_square import integrate_over_cells
 from engine_core.bsdf import dispatch
 from engine_core.linalg.vec3 import Vec3
@@ -27,6 +27,8 @@ LOSSLESS = {
     "glass from inside": lobe(LobeKind.DIELECTRIC, ior=1 / 1.5),
     "rough glass of the index of air": lobe(LobeKind.DIELECTRIC, ior=1.0, alpha_x=0.3, alpha_y=0.3),
     "refraction": lobe(LobeKind.REFRACTION, ior=1.45),
+    "white hair": lobe(LobeKind.HAIR, **{**HAIR, "f82": (0.0, 0.0, 0.0)}),
+    "white rough hair": lobe(LobeKind.HAIR, **{**HAIR, "alpha_x": 27.0, "alpha_y": 4.2, "f82": (0.0, 0.0, 0.0)}),
 }
 # How far `albedo` may be from the truth. It is exact to the interpolation of its tables, but for the lobes of which its
 # docstring says that it is an estimate.
@@ -51,6 +53,10 @@ ESTIMATED = {
     "ASHIKHMIN_SHIRLEY": 0.08,  # from sixteen samples; worst at grazing angles, where half of them are lost
     "ASHIKHMIN_SHIRLEY sharp": 0.08,
     "ASHIKHMIN_SHIRLEY stretched": 0.08,
+    "HAIR_REFLECTION": 0.5,  # as if nothing went below the horizon, or back around the fibre
+    "HAIR_REFLECTION wide": 0.7,
+    "HAIR_TRANSMISSION": 0.5,
+    "HAIR_TRANSMISSION wide": 0.5,
     "VELVET": 0.03,  # from a few directions
     "VELVET soft": 0.03,
     "VELVET sharp": 0.03,

@@ -14,6 +14,9 @@ FILM = {"film_thickness": 400.0, "film_ior": 1.33}
 GOLD = {"f0": (0.18, 0.42, 1.37), "f82": (3.42, 2.35, 1.77)}  # n and k at 650, 550 and 450 nm
 
 
+HAIR = {"alpha_x": 0.085, "alpha_y": 0.117, "alpha_r": 0.085, "ior": 1.55, "g": 0.035}  # as Blender's node has it
+
+
 def _widths(alpha_x, alpha_y=None):
     return {"alpha_x": alpha_x, "alpha_y": alpha_y or alpha_x}
 
@@ -73,6 +76,14 @@ CASES = {
         "smooth": {"ior": 1.5, "multiscatter": 1},
         "rough": {**_widths(0.3), "ior": 1.5, "multiscatter": 1, "refract_tint": (0.9, 0.6, 0.3)},
     },
+    LobeKind.HAIR: {
+        "brown": {**HAIR, "f82": (0.3, 0.6, 1.4)},
+        "white": {**HAIR, "f82": (0.0, 0.0, 0.0)},
+        "smooth": {**HAIR, "alpha_x": 0.0064, "alpha_y": 0.024, "alpha_r": 0.0014, "f82": (0.1, 0.2, 0.1)},
+        "roughest": {**HAIR, "alpha_x": 27.0, "alpha_y": 4.2, "alpha_r": 1.0, "g": 0.3, "f82": (0.1, 0.2, 0.1)},
+    },
+    LobeKind.HAIR_REFLECTION: {"": _widths(0.2, 0.4), "wide": {**_widths(0.9, 1.0), "g": -0.2}},
+    LobeKind.HAIR_TRANSMISSION: {"": _widths(0.2, 0.4), "wide": {**_widths(0.9, 1.0), "g": -0.2}},
     LobeKind.REFRACTION: {
         "Beckmann": {**_widths(0.3), "ior": 1.45, "facets": Facets.BECKMANN},
         "smooth": {"ior": 1.45},
@@ -105,7 +116,15 @@ DELTAS += ["SUBSURFACE smooth", "SUBSURFACE blurred", "SUBSURFACE skin"]
 def lobe(kind, **fields):
     """Fields of a white lobe of this kind."""
     one = (1.0, 1.0, 1.0)
-    defaults = {"weight": one, "ior": 1.0, "f0": one, "f82": one, "reflect_tint": one, "refract_tint": one}
+    defaults = {
+        "weight": one,
+        "alpha_r": 0.1,
+        "ior": 1.0,
+        "f0": one,
+        "f82": one,
+        "reflect_tint": one,
+        "refract_tint": one,
+    }
     return {"kind": kind, **defaults, **fields}
 
 

@@ -22,9 +22,9 @@ import numpy as np
 from ..jit import kernel
 from ..linalg.vec3 import BLACK, WHITE, Vec3, average, dot, is_black, load3, max_component, store3
 from ..tables import FresnelKind, LobeKind, Visibility
-from . import coating, conductor, dielectric, thin_wall
+from . import coating, conductor, dielectric, hair, thin_wall
 from .kinds import is_delta, lobe_albedo, lobe_evaluate_and_pdf, lobe_sample
-from .lobe import ONE, ZERO, is_matt
+from .lobe import ONE, ZERO, has_no_sides, is_fibre, is_matt
 from .microfacet import is_smooth, passes_straight
 
 BELOW_ONE = np.float32(1.0 - 2.0**-24)
@@ -81,8 +81,10 @@ def sample(bsdf, wo, u_lobe, u0, u1):
     s = lobe_sample(lobe, to_local(frame, wo), u, u0, u1)
     wi = to_world(frame, s.wi)
     is_transmission = is_behind(bsdf, wi)
-    if s.pdf == 0.0 or (is_transmission != (s.wi.z < 0.0) and lobe.kind != LobeKind.TRANSPARENT):
+    if s.pdf == 0.0 or (is_transmission != (s.wi.z < 0.0) and not has_no_sides(lobe.kind)):
         return BsdfSample(BLACK, BLACK, ZERO, lobe.kind, False, False)
+    if lobe.kind == LobeKind.HAIR:  # what counts is whether light has been inside, not where it leaves
+        is_transmission = hair.goes_through(lobe, to_local(frame, wo), u)
     weight, density = load3(lobe, "weight") * s.weight, pmf * s.pdf
     if lobe.frame > 0 and not s.is_delta:
         weight = weight * bump_shadowing(bsdf, lobe, wi)
@@ -211,7 +213,7 @@ def _sum_lobes(bsdf, wo, wi, but, n):
             if lobe.frame != frame:
                 frame = lobe.frame
                 wo_local, wi_local = to_local(bsdf.frames[frame], wo), to_local(bsdf.frames[frame], wi)
-            if (wi_local.z > 0.0) == is_above:
+            if (wi_local.z > 0.0) == is_above or has_no_sides(lobe.kind):
                 value = lobe_evaluate_and_pdf(lobe, wo_local, wi_local)
                 lit = load3(lobe, "weight") * value.f
                 if frame > 0:
@@ -227,7 +229,7 @@ def _density_of_lobe(bsdf, lobe, wo, wi):
     """What the lobe adds to the density of wi."""
     frame = bsdf.frames[lobe.frame]
     wi_local = to_local(frame, wi)
-    if (wi_local.z > 0.0) != (dot(load3(bsdf, "ng"), wi) > 0.0):
+    if (wi_local.z > 0.0) != (dot(load3(bsdf, "ng"), wi) > 0.0) and not has_no_sides(lobe.kind):
         return ZERO
     return lobe.pmf * lobe_evaluate_and_pdf(lobe, to_local(frame, wo), wi_local).pdf
 
@@ -240,6 +242,8 @@ def bump_shadowing(bsdf, lobe, wi):
     by microfacets as steep as the bend (Conty Estevez, Lecocq and Stein 2019, "A Microfacet-Based Shadowing Function to
     Solve the Bump Terminator Problem"), so that light fades towards the horizon and is not cut off.
     """
+    if is_fibre(lobe.kind):
+        return ONE
     n, smooth = load3(bsdf.frames[lobe.frame], "n"), load3(bsdf.frames[0], "n")
     cos_i, cos_d = dot(smooth, wi), dot(smooth, n)
     if cos_i * cos_d * dot(n, wi) < 0.0:

@@ -10,6 +10,9 @@ from . import (
     conductor,
     dielectric,
     diffuse,
+    hair,
+    hair_reflection,
+    hair_transmission,
     refraction,
     rough_diffuse,
     sheen,
@@ -57,6 +60,12 @@ def lobe_evaluate_and_pdf(lobe, wo, wi):
         return subsurface.evaluate_and_pdf(lobe, wo, wi)
     if lobe.kind == LobeKind.THIN_WALL:
         return thin_wall.evaluate_and_pdf(lobe, wo, wi)
+    if lobe.kind == LobeKind.HAIR:
+        return hair.evaluate_and_pdf(lobe, wo, wi)
+    if lobe.kind == LobeKind.HAIR_REFLECTION:
+        return hair_reflection.evaluate_and_pdf(lobe, wo, wi)
+    if lobe.kind == LobeKind.HAIR_TRANSMISSION:
+        return hair_transmission.evaluate_and_pdf(lobe, wo, wi)
     return nothing()
 
 
@@ -92,6 +101,12 @@ def lobe_sample(lobe, wo, u_choice, u0, u1):
         return subsurface.sample(lobe, wo, u_choice, u0, u1)
     if lobe.kind == LobeKind.THIN_WALL:
         return thin_wall.sample(lobe, wo, u_choice, u0, u1)
+    if lobe.kind == LobeKind.HAIR:
+        return hair.sample(lobe, wo, u_choice, u0, u1)
+    if lobe.kind == LobeKind.HAIR_REFLECTION:
+        return hair_reflection.sample(lobe, wo, u_choice, u0, u1)
+    if lobe.kind == LobeKind.HAIR_TRANSMISSION:
+        return hair_transmission.sample(lobe, wo, u_choice, u0, u1)
     return no_direction()
 
 
@@ -128,6 +143,12 @@ def lobe_albedo(lobe, wo):
         return subsurface.albedo(lobe, wo)
     if lobe.kind == LobeKind.THIN_WALL:
         return thin_wall.albedo(lobe, wo)
+    if lobe.kind == LobeKind.HAIR:
+        return hair.albedo(lobe, wo)
+    if lobe.kind == LobeKind.HAIR_REFLECTION:
+        return hair_reflection.albedo(lobe, wo)
+    if lobe.kind == LobeKind.HAIR_TRANSMISSION:
+        return hair_transmission.albedo(lobe, wo)
     return BLACK
 
 

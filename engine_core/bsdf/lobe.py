@@ -43,6 +43,18 @@ def is_matt(kind):
 
 
 @kernel
+def is_fibre(kind):
+    """Whether a LobeKind scatters about the direction of a strand."""
+    return kind == LobeKind.HAIR or kind == LobeKind.HAIR_REFLECTION or kind == LobeKind.HAIR_TRANSMISSION
+
+
+@kernel
+def has_no_sides(kind):
+    """Whether a LobeKind does not ask on which side of the face a direction is."""
+    return kind == LobeKind.HAIR or kind == LobeKind.TRANSPARENT
+
+
+@kernel
 def nothing():
     """The value of a pair of directions that does not scatter."""
     return LobeValue(BLACK, ZERO)

@@ -203,7 +203,7 @@ def arrive_in_media(scene, path, found):
         store3(path, "first_p", p)
         store3(path, "first_albedo", albedo)
         path.first_hit = 1
-    return Interaction(p, BLACK, BLACK, NONE, NONE, NONE, False, path.time)
+    return Interaction(p, BLACK, BLACK, NONE, NONE, NONE, False, path.time, NONE, NONE, NONE)
 
 
 @kernel

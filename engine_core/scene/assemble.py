@@ -12,7 +12,7 @@ from ..guide_tables import no_guide
 from ..integrator.layers import entries_needed
 from ..light.bounds import is_far
 from ..light.select import prepare_selection
-from ..program_tables import OBJECT
+from ..program_tables import OBJECT, STRAND
 from ..shape.dispatch import bounds
 from ..tables import (
     CAMERA,
@@ -33,6 +33,7 @@ from ..tables import (
 from . import checks, motion, shapes, targets
 from .displace import add_generated, displace
 from .emitters import bake_lights
+from .geometry import kind_of, size_of, slot_count, slots_of
 from .lamp_programs import bake_lamps, instance_rows
 from .media import MediaTables
 from .shading import Shading, needs_own_tree
@@ -57,7 +58,7 @@ class _Assembly:
         self.instances = np.zeros(len(self.placements), INSTANCE)
         self.objects = np.zeros(len(self.placements), OBJECT)
         self.first_prims = {}  # number of a geometry: row of TRIANGLE or SHAPE of its first one
-        self.nodes, self.packets, self.triangles, self.shapes = [], [], [], []
+        self.nodes, self.packets, self.triangles, self.shapes, self.strands = [], [], [], [], []
         self.counts = dict.fromkeys(("nodes", "packets", "triangles", "shapes"), 0)
         self.lights = [light.copy() for light in builder.lights]
         self.shading = Shading(builder._warn)
@@ -94,6 +95,7 @@ class _Assembly:
             packets=_concatenate(self.packets, PACKET),
             triangles=_concatenate(self.triangles, TRIANGLE),
             shapes=_concatenate(self.shapes, SHAPE),
+            strands=_concatenate(self.strands, STRAND),
             instances=_concatenate([self.instances], INSTANCE),
             objects=self.objects,
             slots=np.array([(m,) for m in self.slots], SLOT),
@@ -131,7 +133,7 @@ class _Assembly:
 
         The others cannot be seen and are left out with a warning.
         """
-        placements = [p for p in self.builder.placements if _size(self.geometries[p.geometry]) > 0]
+        placements = [p for p in self.builder.placements if size_of(self.geometries[p.geometry]) > 0]
         matrices, regular = checks.transforms([p.name for p in placements], [p.to_world for p in placements])
         for number in np.flatnonzero(~regular):
             self.builder._warn(placements[number].name, "is scaled to 0 in some direction; left out")
@@ -146,7 +148,7 @@ class _Assembly:
         for geometry, numbers in users.items():
             self._mark_emissive(geometry, numbers, materials)
             first = self.placements[numbers[0]]
-            kind = _kind(self.geometries[geometry])
+            kind = kind_of(self.geometries[geometry])
             alone_there = len(numbers) == 1 and self.motions[numbers[0]] is None
             in_world = alone_there and first.visibility == Visibility.ALL
             in_world = in_world and not needs_own_tree(materials, first.materials)
@@ -156,7 +158,7 @@ class _Assembly:
                 shared.append((geometry, numbers))
         for step, (geometry, numbers) in enumerate(shared):
             self.progress(0.1 + 0.4 * step / len(shared), self.geometries[geometry].name)
-            self.instances["root"][numbers] = self._tree(_kind(self.geometries[geometry]), [(geometry, None)])
+            self.instances["root"][numbers] = self._tree(kind_of(self.geometries[geometry]), [(geometry, None)])
         self.progress(0.5, "Tree of the world")
         for kind, field in ((TreeKind.TRIANGLES, "triangle_root"), (TreeKind.SHAPES, "shape_root")):
             if alone[kind]:
@@ -177,8 +179,8 @@ class _Assembly:
         if not placements:
             return
         geometries, used = self.geometries, [p.geometry for p in placements]
-        rows["kind"] = np.array([_kind(geometry) for geometry in geometries])[used]
-        counts = [_slot_count(geometry) for geometry in geometries]
+        rows["kind"] = np.array([kind_of(geometry) for geometry in geometries])[used]
+        counts = [slot_count(geometry) for geometry in geometries]
         rows["slots"] = [self._slots(p.materials, counts[p.geometry]) for p in placements]
         told = self.objects
         told["color"] = [p.color for p in placements]
@@ -237,6 +239,9 @@ class _Assembly:
         else:
             rows = shapes.moved(geometry.rows, matrix)
             rows["instance"] = placement if moved else -1
+            told = getattr(geometry, "strands", np.zeros(0, STRAND))
+            rows["strand"] += sum(map(len, self.strands))
+            self.strands.append(told)
         rows["light"] = geometry.light_ranks
         return rows
 
@@ -292,8 +297,8 @@ class _Assembly:
         """Number the primitives of a geometry that emit, whatever material of its users makes them do so."""
         geometry = self.geometries[number]
         emissive = (materials["flags"] & MaterialFlag.EMISSIVE) > 0
-        slots = np.zeros(_size(geometry), np.int32) if _primitive_slots(geometry) is None else geometry.slots
-        emits = np.zeros(_slot_count(geometry), bool)
+        slots = np.zeros(size_of(geometry), np.int32) if slots_of(geometry) is None else geometry.slots
+        emits = np.zeros(slot_count(geometry), bool)
         for first in np.unique(self.instances["slots"][users]):
             emits |= emissive[np.array(self.slots[first : first + len(emits)])]
         flags = emits[slots]
@@ -368,18 +373,18 @@ class _Assembly:
         if self.motions[number] is not None:
             self.builder._warn(placement.name, "emits while it moves; rays find its light by chance alone")
             return None
-        if _kind(geometry) == TreeKind.SHAPES:
+        if kind_of(geometry) == TreeKind.SHAPES:
             if self._emits_by_program(number, materials):
                 self.builder._warn(placement.name, "emits by a texture; rays find the light of a shape by chance alone")
                 return None
             if not shapes.stay_themselves(geometry.rows[geometry.emitters], matrix).all():
-                text = "emits, and as it is scaled no sphere, box or rectangle; rays find its light by chance alone"
+                text = "emits, and is no sphere, box or rectangle as it is scaled; rays find its light by chance alone"
                 self.builder._warn(placement.name, text)
                 return None
             rows = shapes.lights(shapes.moved(geometry.rows[geometry.emitters], matrix))
         else:
             rows = triangle_lights(geometry, geometry.emitters, matrix)
-        slots = _primitive_slots(geometry)
+        slots = slots_of(geometry)
         first = self.instances[number]["slots"]
         slots = np.zeros(len(rows), np.int32) if slots is None else slots[geometry.emitters]
         material = materials[np.array(self.slots)[first + slots]]
@@ -418,26 +423,6 @@ class _Assembly:
                 high = np.maximum(high, nodes[root]["bounds"][3:].max(axis=1))
         if (low <= high).all():
             world["centre"], world["radius"] = (low + high) / 2, np.linalg.norm(high - low) / 2
-
-
-# ---- Geometry, plainly -----------------------------------------------------------------------------------------------
-
-
-def _kind(geometry):
-    return TreeKind.SHAPES if isinstance(geometry, shapes.Shapes) else TreeKind.TRIANGLES
-
-
-def _size(geometry):
-    return len(geometry.rows if isinstance(geometry, shapes.Shapes) else geometry.triangles)
-
-
-def _primitive_slots(geometry):
-    return getattr(geometry, "slots", None)
-
-
-def _slot_count(geometry):
-    slots = _primitive_slots(geometry)
-    return 1 if slots is None or not len(slots) else int(slots.max()) + 1
 
 
 def _concatenate(parts, dtype):

@@ -22,7 +22,7 @@ import numpy as np
 
 from ..shader.graph import is_constant
 from ..tables import CameraKind, LightKind, Visibility
-from . import assemble, checks, lamps, shapes
+from . import assemble, checks, lamps, shapes, strands
 from .materials import WHITE, Black, Diffuse, Surface, Transparent, flatten
 from .targets import Aim
 from .terminator import Terminator
@@ -190,6 +190,10 @@ class SceneBuilder:
         Those with right angles can be sampled as lights. Returns their number.
         """
         return self._add(shapes.quads(name, centres, u, v))
+
+    def strands(self, name, keys, radii, counts, randoms=None, uvs=None):
+        """Add hairs in object space, see `scene.strands`: smooth curves through keys. Returns their number."""
+        return self._add(strands.strands(name, keys, radii, counts, randoms, uvs))
 
     def _add(self, geometry):
         self.geometries.append(geometry)

@@ -18,7 +18,7 @@ from ..integrator.layers import entries_needed
 from ..medium_tables import MAX_PHASES
 from ..settings import Settings
 from ..shader import link, verify
-from ..tables import LIGHT_WIDTH, MAX_LOBES, MAX_PART_LEVEL, Scene, TreeKind
+from ..tables import LIGHT_WIDTH, MAX_LOBES, MAX_PART_LEVEL, Scene, ShapeKind, TreeKind
 from .checks import SceneError
 
 FORMAT, VERSION = "lambent scene", 1
@@ -98,6 +98,8 @@ def check_tables(name, tables):
     within("packets", tables["packets"]["prim"], "triangles")
     for table in ("triangles", "shapes"):
         within(f"owners of {table}", tables[table]["instance"], "instances")
+    hairs = tables["shapes"][tables["shapes"]["kind"] == ShapeKind.STRAND]
+    within("hairs", hairs["strand"], "strands", none_allowed=False)
     within("slots", tables["slots"]["material"], "materials", none_allowed=False)
     within("lights of instances", instances["lights"], "lights")
     _check_motion(name, tables)

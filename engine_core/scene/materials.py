@@ -142,6 +142,37 @@ class Subsurface:
 
 
 @dataclass(frozen=True)
+class Hair:
+    """Light that strands reflect, or let pass: Blender's Hair node."""
+
+    color: tuple = (0.8, 0.8, 0.8)
+    offset: float = 0.0  # tilt of the scales, radians
+    roughness_u: float = 0.1  # along the strand
+    roughness_v: float = 1.0  # around it
+    tangent: object = None  # None: that of the strand
+    transmits: bool = False
+
+
+@dataclass(frozen=True)
+class PrincipledHair:
+    """All that strands do with light, coloured by `color`, or by `absorption`, or by `melanin` if they are given."""
+
+    color: tuple = (0.0175, 0.0058, 0.0021)
+    melanin: object = None  # 0 to 1, by how dark it looks
+    melanin_redness: float = 1.0
+    tint: tuple = WHITE  # with melanin
+    absorption: tuple | None = None  # in one radius
+    roughness: float = 0.3
+    radial_roughness: float = 0.3
+    coat: float = 0.0
+    ior: float = 1.55
+    offset: float = 0.0349066  # tilt of the scales, radians
+    random: float = 0.0  # 0 to 1
+    random_color: float = 0.0
+    random_roughness: float = 0.0
+
+
+@dataclass(frozen=True)
 class Emission:
     """Radiance `color * strength`, W / (m2 sr), from both sides."""
 
@@ -330,6 +361,22 @@ class _Flattening:
         for name in ("color", "roughness", "ior", "normal"):
             values[name] = getattr(c, name)
         self._row(ClosureKind.SUBSURFACE, weight, values, subsurface=c.kind)
+
+    def _hair(self, c, weight):
+        kind = ClosureKind.HAIR_TRANSMISSION if c.transmits else ClosureKind.HAIR_REFLECTION
+        values = {"color": c.color, "roughness": c.roughness_u, "smooth": c.roughness_v, "tilt": c.offset}
+        self._row(kind, weight, {**values, "tangent": c.tangent})
+
+    def _principledhair(self, c, weight):
+        values = {"smooth": c.radial_roughness, "tilt": c.offset, "redness": c.melanin_redness, "melanin": c.melanin}
+        for name in ("roughness", "coat", "ior", "random", "random_color", "random_roughness"):
+            values[name] = getattr(c, name)
+        kind, color = ClosureKind.HAIR_COLOR, c.color
+        if c.melanin is not None:
+            kind, color = ClosureKind.HAIR_MELANIN, c.tint
+        elif c.absorption is not None:
+            kind, color = ClosureKind.HAIR_ABSORPTION, c.absorption
+        self._row(kind, weight, {**values, "color": color})
 
     def _principled(self, c, weight):
         self.layers += 1

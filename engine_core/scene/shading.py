@@ -15,7 +15,11 @@ from .displace import undisplaced
 from .materials import Diffuse, flatten, lower
 
 GREY = Diffuse((0.5, 0.5, 0.5))
+FIBRES = (LobeKind.HAIR, LobeKind.HAIR_REFLECTION, LobeKind.HAIR_TRANSMISSION)
+HAIR_CLOSURES = (ClosureKind.HAIR_COLOR, ClosureKind.HAIR_MELANIN, ClosureKind.HAIR_ABSORPTION)
+HAIR_CLOSURES += (ClosureKind.HAIR_REFLECTION, ClosureKind.HAIR_TRANSMISSION)
 TRANSMITTING_CLOSURES = (ClosureKind.GLASS, ClosureKind.REFRACTION, ClosureKind.TRANSLUCENT, ClosureKind.PRINCIPLED)
+TRANSMITTING_CLOSURES += HAIR_CLOSURES
 
 
 class Shading:
@@ -68,6 +72,8 @@ class Shading:
             row["program"] = self.programs.add(closures=closures)
             if any(closure["kind"] in TRANSMITTING_CLOSURES for closure, _ in closures):
                 row["flags"] |= MaterialFlag.TRANSMITS
+            if any(closure["kind"] in HAIR_CLOSURES for closure, _ in closures):
+                row["flags"] |= MaterialFlag.HAIR
             if any(_scatters_below(closure, values) for closure, values in closures):
                 row["flags"] |= MaterialFlag.SUBSURFACE
         else:
@@ -77,6 +83,8 @@ class Shading:
                 self._warn(material.name, text)
             if np.isin(lobes["kind"], TRANSMITTING).any():
                 row["flags"] |= MaterialFlag.TRANSMITS
+            if np.isin(lobes["kind"], FIBRES).any():
+                row["flags"] |= MaterialFlag.HAIR
             if (lobes["kind"] == LobeKind.SUBSURFACE).any():
                 row["flags"] |= MaterialFlag.SUBSURFACE
         row["emission"], row["emission_program"] = self._value(surface.emission)

@@ -78,12 +78,18 @@ def moved(rows, matrix):
     result = rows.copy()
     u, v = rows["u"] @ linear.T, rows["v"] @ linear.T
     result["p"] = rows["p"] @ linear.T + matrix[:, 3]
-    result["u"], result["v"] = u, -v if mirrors else v
+    hairs = rows["kind"] == ShapeKind.STRAND
+    result["u"], result["v"] = u, np.where(hairs[:, None], v, -v) if mirrors else v
     # a sphere's radius along x, that of a box along its third edge
     third = np.cross(rows["u"], rows["v"])
     third /= np.maximum(np.linalg.norm(third, axis=1, keepdims=True), 1e-30)
-    third[rows["kind"] == ShapeKind.SPHERE] = 1.0, 0.0, 0.0
-    result["radius"] = rows["radius"] * np.linalg.norm(third @ linear.T, axis=1)
+    third[(rows["kind"] == ShapeKind.SPHERE) | hairs] = 1.0, 0.0, 0.0
+    stretch = np.linalg.norm(third @ linear.T, axis=1)
+    result["radius"], result["radius_end"] = rows["radius"] * stretch, rows["radius_end"] * stretch
+    if hairs.any():
+        v, w = v[hairs], rows["w"][hairs] @ linear.T
+        result["v"][hairs] = v / np.linalg.norm(v, axis=1, keepdims=True)
+        result["w"][hairs] = w / np.linalg.norm(w, axis=1, keepdims=True)
     return result
 
 
@@ -94,6 +100,9 @@ def keeps_shapes(rows, matrix):
     nor of a shape that is mirrored.
     """
     linear = matrix[:, :3]
+    if (rows["kind"] == ShapeKind.STRAND).any():
+        gram = linear.T @ linear
+        return np.allclose(gram, np.eye(3) * gram[0, 0], atol=RIGHT_ANGLE * gram[0, 0])
     if np.linalg.det(linear) < 0.0:
         return False
     if (rows["kind"] == ShapeKind.SPHERE).any():
@@ -112,7 +121,7 @@ def stay_themselves(rows, matrix):
     square = _perpendicular(u, v)
     kind = rows["kind"]
     flat_or_square = (kind == ShapeKind.QUAD) | (_perpendicular(u, w) & _perpendicular(v, w))
-    return np.where(kind == ShapeKind.SPHERE, is_round, square & flat_or_square)
+    return np.where(kind == ShapeKind.SPHERE, is_round, square & flat_or_square) & (kind != ShapeKind.STRAND)
 
 
 def _perpendicular(a, b):

@@ -16,6 +16,7 @@ from ..linalg.vec3 import BLACK, WHITE, Vec3, average, is_black, lerp, load3, ma
 from ..program_tables import ClosureKind
 from ..tables import MAX_LOBES, Facets, FresnelKind, LobeKind, SubsurfaceKind
 from .frames import frame_with
+from .hair import set_fibre, set_strand
 from .maths import saturate
 
 ZERO, ONE = np.float32(0.0), np.float32(1.0)
@@ -54,6 +55,8 @@ def add_closure(bsdf, c):
             set_alphas(lobe, c.roughness, ONE)
     elif kind == ClosureKind.SUBSURFACE:
         add_subsurface(bsdf, c, weight, load3(c, "color"), saturate(c.roughness), c.ior, 0)
+    elif kind >= ClosureKind.HAIR_COLOR:
+        add_hair(bsdf, c, weight)
     elif ClosureKind.TOON_DIFFUSE <= kind <= ClosureKind.VELVET:
         add_cloth(bsdf, c, weight * load3(c, "color"))
     else:
@@ -117,6 +120,20 @@ def add_metal(bsdf, c, weight):
     lobe.multiscatter, lobe.facets = c.multiscatter, c.facets
     set_film(lobe, c)
     set_alphas(lobe, c.roughness, stretch)
+
+
+@kernel
+def add_hair(bsdf, c, weight):
+    """Strands, by the Hair node or by Principled Hair."""
+    if c.kind == ClosureKind.HAIR_REFLECTION or c.kind == ClosureKind.HAIR_TRANSMISSION:
+        kind = LobeKind.HAIR_REFLECTION if c.kind == ClosureKind.HAIR_REFLECTION else LobeKind.HAIR_TRANSMISSION
+        i = new_lobe(bsdf, kind, weight * load3(c, "color"), 0)
+        if i >= 0:
+            set_strand(bsdf.lobes[i], c)
+        return
+    i = new_lobe(bsdf, LobeKind.HAIR, weight, 0)
+    if i >= 0:
+        set_fibre(bsdf.lobes[i], c)
 
 
 @kernel
@@ -315,7 +332,7 @@ def new_lobe(bsdf, kind, weight, layer):
     lobe.kind, lobe.frame = kind, bsdf.frame
     lobe.facets, lobe.loose, lobe.film_thickness, lobe.film_ior = Facets.GGX, 0, ZERO, ONE
     store3(lobe, "weight", weight)
-    lobe.alpha_x = lobe.alpha_y = ZERO
+    lobe.alpha_x = lobe.alpha_y = lobe.alpha_r = ZERO
     lobe.ior = ONE
     lobe.fresnel = FresnelKind.CONSTANT
     store3(lobe, "f0", WHITE)

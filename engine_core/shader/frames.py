@@ -12,6 +12,7 @@ from ..jit import kernel
 from ..linalg.frame import frame_from_normal
 from ..linalg.vec3 import BLACK, cross, dot, is_black, load3, normalize, store3
 from ..linalg.vector_math import safe_normalize
+from ..shape.interaction import is_strand, tangents
 from ..tables import MAX_FRAMES, LobeKind
 
 ZERO = np.float32(0.0)
@@ -41,6 +42,33 @@ def complete_frames(bsdf):
     """Make tangents that are at right angles to the normals."""
     for i in range(bsdf.frame_count):
         _complete(bsdf.frames[i])
+
+
+@kernel
+def lay_along(scene, bsdf, it):
+    """Give lobes of FIBRES frames that lie along the strand: x its direction, z as near to the normal as can be.
+
+    On other surfaces Cycles lays principled hair along the first edge of the triangle, the Hair node's lobes along the
+    second, without a tilt. A tangent that a program gave goes before.
+    """
+    tangent, bitangent = tangents(scene, it)
+    for i in range(bsdf.count):
+        lobe = bsdf.lobes[i]
+        if lobe.kind == LobeKind.HAIR:
+            _lay(bsdf, lobe, it.ng, tangent)
+        elif lobe.kind == LobeKind.HAIR_REFLECTION or lobe.kind == LobeKind.HAIR_TRANSMISSION:
+            given = load3(bsdf.frames[lobe.frame], "s")
+            if is_black(given):
+                given = bitangent
+                if not is_strand(scene, it):
+                    lobe.g = ZERO
+            _lay(bsdf, lobe, it.ns, given)
+
+
+@kernel
+def _lay(bsdf, lobe, n, tangent):
+    along = safe_normalize(tangent)
+    lobe.frame = frame_with(bsdf, safe_normalize(n - along * dot(n, along)), along)
 
 
 @kernel

@@ -125,6 +125,16 @@ def added(a, b):
     return part(node(Op.VECTOR_MATH, a, b, (0.0, 0.0, 0.0), 0.0), 0, 3)
 
 
+def sum_of(a, b):
+    """Sum of two numbers."""
+    if is_constant(a) and is_constant(b):
+        return a + b
+    for x, y in ((a, b), (b, a)):
+        if is_constant(x) and x == 0.0:
+            return y
+    return node(Op.MATH, a, b, 0.0, mode=Math.ADD)
+
+
 def product(a, b):
     """Product of two numbers."""
     if is_constant(a) and is_constant(b):

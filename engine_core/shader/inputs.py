@@ -6,12 +6,13 @@ import numpy as np
 from ..jit import kernel
 from ..linalg.frame import frame_from_normal
 from ..linalg.registers import store_float
-from ..linalg.transform import transform_normal, transform_point
+from ..linalg.transform import transform_normal, transform_point, transform_vector
 from ..linalg.vec3 import BLACK, Vec3, cross, dot, length, load3, load3_at, reflect
 from ..linalg.vector_math import safe_normalize
 from ..motion import instance_at, new_instance
 from ..shape import dispatch as shapes
-from ..tables import CameraKind, TreeKind, Visibility
+from ..shape import strand
+from ..tables import CameraKind, ShapeKind, TreeKind, Visibility
 from .opcodes import InputNumber, InputVector, Op
 from .operands import give_number, give_vector
 from .point import WORLD
@@ -42,6 +43,8 @@ def input_number(scene, point, mode):
         return flag(point.backfacing != 0)
     if mode <= InputNumber.OBJECT_ALPHA:
         return object_number(scene, point, mode)
+    if mode >= InputNumber.IS_STRAND:
+        return strand_number(scene, point, mode)
     if mode == InputNumber.VIEW_DEPTH:
         return camera_space(scene, point, load3(point, "p")).z
     if mode == InputNumber.VIEW_DISTANCE:
@@ -61,6 +64,57 @@ def object_number(scene, point, mode):
     if mode == InputNumber.OBJECT_INDEX:
         return np.float32(instance.pass_index)
     return scene.objects[point.instance].color[3]
+
+
+@kernel
+def is_on_strand(scene, point):
+    return point.kind == TreeKind.SHAPES and scene.shapes[point.prim].kind == ShapeKind.STRAND
+
+
+@kernel
+def strand_number(scene, point, mode):
+    """Blender's Curves Info node; 0 where there is no strand."""
+    if not is_on_strand(scene, point):
+        return ZERO
+    if mode == InputNumber.IS_STRAND:
+        return ONE
+    shape = scene.shapes[point.prim]
+    told = scene.strands[shape.strand]
+    if mode == InputNumber.STRAND_LENGTH:
+        return told.length
+    if mode == InputNumber.STRAND_RANDOM:
+        return told.random
+    y, _ = strand.place(shape, strand_place(scene, point, shape))
+    if mode == InputNumber.INTERCEPT:
+        return told.start + (told.end - told.start) * y
+    thickness = 2.0 * (shape.radius + (shape.radius_end - shape.radius) * y)
+    if shape.instance >= 0:
+        return thickness
+    instance = instance_at(scene, point.instance, point.time, new_instance())
+    across = Vec3(thickness, thickness, thickness) * np.float32(3.0**-0.5)
+    return length(transform_vector(instance, "to_world", across))
+
+
+@kernel
+def strand_place(scene, point, shape):
+    """The point in the space where the shape stands."""
+    p = load3(point, "p")
+    if shape.instance >= 0:
+        return p
+    return transform_point(instance_at(scene, point.instance, point.time, new_instance()), "to_object", p)
+
+
+@kernel
+def strand_normal(scene, point):
+    """At right angles to the strand, towards whoever looks."""
+    if not is_on_strand(scene, point):
+        return BLACK
+    shape, wo = scene.shapes[point.prim], load3(point, "wo")
+    along = strand.tangent(shape, strand_place(scene, point, shape))
+    if shape.instance < 0:
+        instance = instance_at(scene, point.instance, point.time, new_instance())
+        along = transform_vector(instance, "to_world", along)
+    return safe_normalize(wo - along * (dot(along, wo) / dot(along, along)))
 
 
 @kernel
@@ -110,6 +164,8 @@ def input_vector(scene, point, mode, shift):
         return window(scene, point, p)
     if mode == InputVector.REFLECTION:
         return reflect(load3(point, "wo"), load3(point, "ns"))
+    if mode == InputVector.STRAND_NORMAL:
+        return strand_normal(scene, point)
     if mode == InputVector.PARAMETRIC:
         return Vec3(1.0 - point.b1 - point.b2, point.b1, 0.0)
     if point.instance < 0:
@@ -194,6 +250,8 @@ def texture_uv(scene, point, p, shift):
         return Vec3(point.uv[0], point.uv[1], 0.0)
     if point.kind == TreeKind.SHAPES:
         shape = scene.shapes[point.prim]
+        if shape.kind == ShapeKind.STRAND:
+            return Vec3(point.uv[0], point.uv[1], 0.0)
         if shape.instance < 0:
             p = transform_point(instance_at(scene, point.instance, point.time, new_instance()), "to_object", p)
         u, v = shapes.uv(shape, p)

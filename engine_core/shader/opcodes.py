@@ -120,6 +120,7 @@ class InputVector(IntEnum):
     RADIAL_TANGENT = 14
     RADIAL_TANGENT_X = 15
     RADIAL_TANGENT_Y = 16
+    STRAND_NORMAL = 17
 
 
 class InputNumber(IntEnum):
@@ -143,6 +144,11 @@ class InputNumber(IntEnum):
     TRANSMISSION_DEPTH = 17
     VIEW_DEPTH = 18
     VIEW_DISTANCE = 19
+    IS_STRAND = 20
+    INTERCEPT = 21
+    STRAND_LENGTH = 22
+    THICKNESS = 23
+    STRAND_RANDOM = 24
 
 
 class Space(IntEnum):

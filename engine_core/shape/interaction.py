@@ -4,10 +4,10 @@
 from typing import NamedTuple
 
 from ..jit import kernel
-from ..linalg.transform import transform_normal, transform_point
+from ..linalg.transform import transform_normal, transform_point, transform_vector
 from ..linalg.vec3 import Vec3, cross, dot, load3_at, normalize
 from ..motion import instance_at, new_instance
-from ..tables import TreeKind
+from ..tables import ShapeKind, TreeKind
 from . import dispatch
 
 
@@ -20,6 +20,9 @@ class Interaction(NamedTuple):
     light: int  # row of LIGHT, of a divided triangle the whole, if this place emits and can be sampled; else -1
     backfacing: bool  # the ray came from behind
     time: float  # of the ray, 0 to 1 while the shutter is open
+    kind: int  # kind, prim and instance of the Hit
+    prim: int
+    through: int
 
 
 @kernel
@@ -69,7 +72,38 @@ def make_interaction(scene, hit, o, d, time):
     if backfacing:
         ng = -ng
         ns = -ns
-    return Interaction(p, ng, ns, owner, material, light, backfacing, time)
+    return Interaction(p, ng, ns, owner, material, light, backfacing, time, hit.kind, hit.prim, hit.instance)
+
+
+@kernel
+def tangents(scene, it):
+    """Two directions along the surface, not unit, for who asks for a tangent that no map of coordinates gives.
+
+    Of a strand both are whereto it runs; of a triangle they are the edges from its first corner, turned around with the
+    normal, as in Cycles.
+    """
+    scratch = new_instance()
+    if it.kind == TreeKind.TRIANGLES:
+        triangle = scene.triangles[it.prim]
+        p0 = load3_at(triangle, "p", 0)
+        s, t = load3_at(triangle, "p", 1) - p0, load3_at(triangle, "p", 2) - p0
+    else:
+        p = it.p
+        if it.through >= 0:
+            p = transform_point(instance_at(scene, it.through, it.time, scratch), "to_object", p)
+        s = dispatch.tangent(scene.shapes[it.prim], p)
+        t = s
+    if it.through >= 0:
+        through = instance_at(scene, it.through, it.time, scratch)
+        s, t = transform_vector(through, "to_world", s), transform_vector(through, "to_world", t)
+    if it.backfacing:
+        return -s, -t
+    return s, t
+
+
+@kernel
+def is_strand(scene, it):
+    return it.kind == TreeKind.SHAPES and scene.shapes[it.prim].kind == ShapeKind.STRAND
 
 
 @kernel
@@ -81,6 +115,10 @@ def texture_coordinates(scene, hit, p, time):
         u = uv[0, 0] * b0 + uv[1, 0] * hit.b1 + uv[2, 0] * hit.b2
         v = uv[0, 1] * b0 + uv[1, 1] * hit.b1 + uv[2, 1] * hit.b2
         return u, v
+    shape = scene.shapes[hit.prim]
+    if shape.kind == ShapeKind.STRAND:
+        uv = scene.strands[shape.strand].uv
+        return uv[0], uv[1]
     if hit.instance >= 0:
         p = transform_point(instance_at(scene, hit.instance, time, new_instance()), "to_object", p)
-    return dispatch.uv(scene.shapes[hit.prim], p)
+    return dispatch.uv(shape, p)

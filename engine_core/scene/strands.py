@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Hairs as rows of SHAPE: smooth curves through their keys, taken apart into pieces that are nearly straight."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..program_tables import STRAND
+from ..tables import SHAPE, ShapeKind
+from . import checks
+from .shapes import Shapes
+
+MOST_PIECES = 8  # between two keys
+# How far a piece may be from the curve, as a share of its radius, and of its length, whichever is more
+OFF_BY_RADIUS, OFF_BY_LENGTH = 0.25, 0.002
+
+
+@dataclass
+class Strands(Shapes):
+    """Pieces of hairs in object space, and what programs ask of them."""
+
+    strands: np.ndarray  # STRAND, row for row
+
+
+def strands(name, keys, radii, counts, randoms=None, uvs=None):
+    """Curves of Catmull and Rom through `keys`, (n, 3), as thick as `radii`, (n,); hair i has the next counts[i] keys.
+
+    `randoms`, (m,): a number of each hair, 0 to 1. `uvs`, (m, 2): where it grows.
+    """
+    counts = np.asarray(counts, np.int64)
+    keys = checks.positions(name, "keys of hairs", keys)
+    radii = checks.array(name, "radii of hairs", radii, np.float32, len(keys))
+    if counts.sum() != len(keys) or (counts < 0).any():
+        raise checks.SceneError(f"{name}: hairs have {counts.sum()} keys, but there are {len(keys)}")
+    curve = np.repeat(np.arange(len(counts)), counts)
+    first = np.repeat(np.cumsum(counts) - counts, counts)
+    last = first + np.repeat(counts, counts) - 1
+    start = np.flatnonzero(np.arange(len(keys)) < last)  # each span goes from this key to the next
+    steps = np.zeros(len(keys))
+    steps[start + 1] = np.linalg.norm(np.diff(keys.astype(np.float64), axis=0), axis=1)[start]
+    walked = np.cumsum(steps)
+    walked -= walked[first]
+    length = walked[last]
+
+    four = np.concatenate([keys, np.maximum(radii, 0.0)[:, None]], axis=1).astype(np.float64)
+    p0, p1, p2, p3 = (
+        four[np.maximum(start - 1, first[start])],
+        four[start],
+        four[start + 1],
+        four[np.minimum(start + 2, last[start])],
+    )
+    a, b, c = 0.5 * (p2 - p0), p0 - 2.5 * p1 + 2.0 * p2 - 0.5 * p3, 0.5 * (p3 - p0) + 1.5 * (p1 - p2)
+    pieces = _pieces(p1, p2, b, c)
+    span = np.repeat(np.arange(len(start)), pieces)
+    number = np.arange(len(span)) - np.repeat(np.cumsum(pieces) - pieces, pieces)
+    ends = []
+    for t in (number / pieces[span], (number + 1) / pieces[span]):
+        t = t[:, None]
+        place = p1[span] + t * (a[span] + t * (b[span] + t * c[span]))
+        along = (a[span] + t * (2.0 * b[span] + 3.0 * t * c[span]))[:, :3]
+        ends.append((place[:, :3], np.maximum(place[:, 3], 0.0), along, t[:, 0]))
+    rows, told = np.zeros(len(span), SHAPE), np.zeros(len(span), STRAND)
+    (p, r, v, t), (q, r_end, w, t_end) = ends
+    rows["kind"], rows["instance"], rows["light"] = ShapeKind.STRAND, -1, -1
+    rows["p"], rows["u"], rows["radius"], rows["radius_end"] = p, q - p, r, r_end
+    rows["v"], rows["w"] = _unit(v, q - p), _unit(w, q - p)
+    key = start[span]
+    whole = np.maximum(length[key], 1e-30)
+    for field, at in (("start", t), ("end", t_end)):
+        told[field] = (walked[key] + at * (walked[key + 1] - walked[key])) / whole
+    told["length"] = length[key]
+    if randoms is not None:
+        told["random"] = checks.array(name, "random numbers of hairs", randoms, np.float32, len(counts))[curve[key]]
+    if uvs is not None:
+        told["uv"] = checks.array(name, "UV coordinates of hairs", uvs, np.float32, len(counts), 2)[curve[key]]
+    seen = rows["u"].any(axis=1) & ((r > 0.0) | (r_end > 0.0))
+    rows, told = rows[seen], told[seen]
+    rows["strand"] = np.arange(len(rows))
+    return Strands(name, rows, told)
+
+
+def _pieces(p1, p2, b, c):
+    """How many pieces each span needs: n of them are off by the second derivative / (8 n^2)."""
+    bend = np.maximum(np.linalg.norm(2.0 * b[:, :3], axis=1), np.linalg.norm((2.0 * b + 6.0 * c)[:, :3], axis=1))
+    chord = np.linalg.norm((p2 - p1)[:, :3], axis=1)
+    bound = np.maximum(OFF_BY_RADIUS * np.maximum(p1[:, 3], p2[:, 3]), OFF_BY_LENGTH * chord)
+    return np.clip(np.ceil(np.sqrt(bend / (8.0 * np.maximum(bound, 1e-30)))), 1, MOST_PIECES).astype(np.int64)
+
+
+def _unit(along, otherwise):
+    size = np.linalg.norm(along, axis=1, keepdims=True)
+    along = np.where(size > 0.0, along, otherwise)
+    return along / np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-30)
