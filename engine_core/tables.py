@@ -70,7 +70,7 @@ class LobeKind(IntEnum):
     THIN_WALL = 14  # GGX through a thin pane
     HAIR = 15  # all that a coloured dielectric fibre does: alpha_x, alpha_y, alpha_r its widths, f82 its absorption
     HAIR_REFLECTION = 16  # of the Hair node: g is the tilt of the scales, as an angle
-    HAIR_TRANSMISSION = 17
+    HAIR_TRANSMISSION = 17  # likewise
 
 
 TRANSMITTING = (LobeKind.DIELECTRIC, LobeKind.REFRACTION, LobeKind.TRANSLUCENT, LobeKind.THIN_WALL)
@@ -132,8 +132,7 @@ class Visibility(IntFlag):
     ALL = 63
 
 
-# Where the boundary of a medium is no surface its Visibility has bits higher by this: so rays may ask for surfaces alone.
-BOUNDARY_SHIFT = 6
+BOUNDARY_SHIFT = 6  # where a medium's boundary is no surface, its Visibility is higher by so many bits, see accel/
 
 
 class MaterialFlag(IntFlag):

@@ -62,8 +62,8 @@ def lock(radius=0.02, keys=7):
 
 
 def axis(hair, count):
-    """Points on the axis of the pieces, and how thick they are there."""
-    rows = hair.rows[RANDOM.integers(0, len(hair.rows), count)]
+    """Points on the axis, and how thick the hair is there; not near its open ends."""
+    rows = hair.rows[RANDOM.integers(2, len(hair.rows) - 2, count)]
     y = RANDOM.random((count, 1)).astype(np.float32)
     return rows["p"] + y * rows["u"], (rows["radius"] + y[:, 0] * (rows["radius_end"] - rows["radius"]))
 
@@ -111,8 +111,7 @@ def test_pieces_of_a_hair_leave_no_gap():
     d /= np.linalg.norm(d, axis=1, keepdims=True)
     inner = points + (0.8 * radius * RANDOM.random(len(radius)))[:, None] * across(d)
     rays = trace(hair.rows, np.float32(inner - 5.0 * d), d)
-    inside = np.abs((d * rays["s"]).sum(axis=1)) < 0.95  # into the open ends one may look
-    assert np.isfinite(rays["t"][inside]).mean() > 0.9995
+    assert np.isfinite(rays["t"]).mean() > 0.9995
 
 
 def test_a_ray_that_enters_a_hair_does_not_hit_it_and_one_that_leaves_neither():
