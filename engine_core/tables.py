@@ -228,7 +228,7 @@ LOBE = np.dtype(
         ),  # DIELECTRIC, REFRACTION: 1: light is refracted, too, where no microfacet would send a ray: what
         # Cycles shows of rough glass under lamps, more than there is
         ("ior", "f4"),  # inside over outside, as on the material; at a hit: far side over near side
-        ("fresnel", "i4"),  # FresnelKind; SUBSURFACE: SubsurfaceKind
+        ("fresnel", "i4"),  # FresnelKind; SUBSURFACE: SubsurfaceKind; HAIR_...: 1: its frame has a given tangent
         ("film_thickness", "f4"),  # nanometres of a thin film over microfacets; 0: there is none
         ("film_ior", "f4"),  # over that of the outside, as on the material; at a hit: over that of the near side
         ("f0", "f4", (3,)),

@@ -21,6 +21,7 @@ from ..medium_tables import MEDIA
 from ..program_tables import POINT
 from ..sampling.sobol import sample_1d
 from ..shader.evaluate import emission, fill_bsdf, has_program
+from ..shader.frames import lay_along
 from ..shader.point import set_surface
 from ..shape.interaction import make_interaction
 from ..tables import BSDF, CameraKind, LobeKind, MaterialFlag, TreeKind, Visibility
@@ -232,6 +233,8 @@ def make_bsdf(scene, settings, walk, it, bsdf):
         not spreads or settings.reflective_caustics != 0,
         not spreads or settings.refractive_caustics != 0,
     )
+    if material.flags & MaterialFlag.HAIR.value:
+        lay_along(scene, bsdf, it)
     if walk.side == EMERGING:
         walk.side = ABOVE
         bsdf_dispatch.become_matt(bsdf)

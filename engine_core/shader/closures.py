@@ -130,6 +130,7 @@ def add_hair(bsdf, c, weight):
         i = new_lobe(bsdf, kind, weight * load3(c, "color"), 0)
         if i >= 0:
             set_strand(bsdf.lobes[i], c)
+            bsdf.lobes[i].fresnel = 0 if is_black(load3(c, "tangent")) else 1
         return
     i = new_lobe(bsdf, LobeKind.HAIR, weight, 0)
     if i >= 0:

@@ -9,8 +9,8 @@ from ..jit import kernel
 from ..linalg.records import copy_record
 from ..linalg.registers import call
 from ..linalg.vec3 import load3, store3
-from ..tables import LobeKind, MaterialFlag
-from .frames import begin_frames, complete_frames, lay_along, raise_mirrors
+from ..tables import LobeKind
+from .frames import begin_frames, complete_frames, raise_mirrors
 from .opcodes import Entry
 
 SURFACE, VALUE, LIGHT = int(Entry.SURFACE), int(Entry.VALUE), int(Entry.LIGHT)
@@ -36,8 +36,6 @@ def fill_bsdf(scene, material, ng, ns, wo, point, bsdf, keep_reflections, keep_r
             copy_record(bsdf.lobes[i], scene.lobes[material.lobes + i])
     if not (keep_reflections and keep_refractions):
         drop_caustics(bsdf, keep_reflections, keep_refractions)
-    if material.flags & MaterialFlag.HAIR.value:
-        lay_along(scene, bsdf, it)
     complete_frames(bsdf)
     raise_mirrors(bsdf, wo)
 

@@ -58,7 +58,7 @@ def lay_along(scene, bsdf, it):
             _lay(bsdf, lobe, it.ng, tangent)
         elif lobe.kind == LobeKind.HAIR_REFLECTION or lobe.kind == LobeKind.HAIR_TRANSMISSION:
             given = load3(bsdf.frames[lobe.frame], "s")
-            if is_black(given):
+            if lobe.fresnel == 0:
                 given = bitangent
                 if not is_strand(scene, it):
                     lobe.g = ZERO
@@ -68,7 +68,8 @@ def lay_along(scene, bsdf, it):
 @kernel
 def _lay(bsdf, lobe, n, tangent):
     along = safe_normalize(tangent)
-    lobe.frame = frame_with(bsdf, safe_normalize(n - along * dot(n, along)), along)
+    lobe.frame = _new_frame(bsdf, safe_normalize(n - along * dot(n, along)), along)
+    _complete(bsdf.frames[lobe.frame])
 
 
 @kernel
