@@ -77,7 +77,9 @@ def _use_all_kernels(integrator):
     builder.point_light("Lamp", (0, 0, 3), (100, 100, 100), radius=0.1, shader=shader)
     builder.camera([(1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 5), (0, 0, 0, 1)], (-1, 1, -1, 1))
     settings = core.Settings(width=8, height=8, crop_width=8, crop_height=8, samples=1, integrator=integrator)
-    core.Render(builder.build(), settings, threads=1).run()
+    render = core.Render(builder.build(), settings, threads=1)
+    render.run()
+    render.image("Combined")
     try:
         mark = _mark(integrator)
         mark.parent.mkdir(parents=True, exist_ok=True)

@@ -17,7 +17,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..jit import kernel
-from ..linalg.vec3 import BLACK, load3, store3
+from ..linalg.simd import lanes4, load4, splat4, store4, xyz
+from ..linalg.vec3 import BLACK, load3
 from ..settings import FilterKind
 from .filter import CELLS, GAUSSIAN_REACH, REACH, blackman_harris, gaussian
 
@@ -65,16 +66,26 @@ def give(film, settings, number, area, dx, dy, L, alpha):
     if settings.filter_kind == FilterKind.GAUSSIAN:
         reach = reach * GAUSSIAN_REACH
     scale = np.float32(CELLS) / reach
-    size = area.width * area.height
-    first = number * NEIGHBOURS
+    size, first = area.width * area.height, number * NEIGHBOURS
+    opaque = splat4(alpha)
+    light = lanes4(L.x, L.y, L.z) + (opaque - xyz(opaque))
+    left, middle, right = (
+        weight(settings, abs(dx + 1.0) * scale),
+        weight(settings, abs(dx) * scale),
+        weight(settings, abs(dx - 1.0) * scale),
+    )
     for row in range(3):
-        wy = size * weight(settings, abs(dy - np.float32(row - 1)) * scale)
-        for column in range(3):
-            w = wy * weight(settings, abs(dx - np.float32(column - 1)) * scale)
-            share = film.shares[first + 3 * row + column]
-            store3(share, "radiance", load3(share, "radiance") + L * w)
-            share.alpha += alpha * w
-            share.weight += w
+        w = size * weight(settings, abs(dy - np.float32(row - 1)) * scale)
+        add(film.shares[first + 3 * row], light, w * left)
+        add(film.shares[first + 3 * row + 1], light, w * middle)
+        add(film.shares[first + 3 * row + 2], light, w * right)
+
+
+@kernel
+def add(share, light, w):
+    """Add `light`, an f32x4 of radiance and alpha, to a row of SHARE with weight `w`."""
+    store4(share, "radiance", 0, load4(share, "radiance", 0) + light * splat4(w))  # and alpha, which is next to it
+    share.weight += w
 
 
 @kernel

@@ -10,8 +10,8 @@ each lane. Lanes are loaded from and stored to fields of rows, so nothing here t
         i = lowest_bit(hits)
         hits = without_lowest_bit(hits)
 
-For accel/ and the lattices of texture/ alone: everything else is scalar code, which a GPU could run. There is no plain
-Python behind it.
+For accel/, the lattices of texture/ and the sums of film/sharing alone: everything else is scalar code, which a GPU
+could run. There is no plain Python behind it.
 """
 
 import operator
