@@ -146,6 +146,7 @@ class MaterialFlag(IntFlag):
     LOCAL = 128  # its programs send rays that ask for nothing but the object itself
     PANE = 256  # may have a smooth thin wall, which shadow rays pass as if it were transparent
     HAIR = 512  # has lobes of FIBRES, whose frames lie along strands
+    HOLDOUT = 1024  # leaves the picture empty where the camera sees it
 
 
 # ---- Geometry --------------------------------------------------------------------------------------------------------
@@ -265,10 +266,12 @@ MATERIAL = np.dtype(
         ("program", "i4"),  # row of PROGRAM that makes its lobes and emission at a hit; 0: the constants below ...
         ("emission_program", "i4"),  # ... its emission alone
         ("transparency_program", "i4"),  # ... its transparency alone
+        ("holdout_program", "i4"),  # ... its holdout alone
         ("lobes", "i4"),  # first row of LOBE
         ("lobe_count", "i4"),
         ("emission", "f4", (3,)),  # radiance of the surface
         ("transparency", "f4", (3,)),  # sum of the weights of its TRANSPARENT lobes
+        ("holdout", "f4", (3,)),  # how much of the picture it leaves empty where the camera sees it
         ("flags", "i4"),  # MaterialFlag
         ("pass_index", "i4"),
         ("medium", "i4"),  # row of MEDIUM inside; -1: none

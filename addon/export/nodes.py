@@ -159,6 +159,9 @@ class Translation:
     def _bsdf_transparent(self, i):
         return m.Transparent(i.color("Color"))
 
+    def _holdout(self, i):
+        return m.Holdout()
+
     def _bsdf_glossy(self, i):
         anisotropy, tangent = i.anisotropy()
         is_ashikhmin = i.node.distribution == "ASHIKHMIN_SHIRLEY"

@@ -278,7 +278,7 @@ def _(tree):
 
 
 for space in ("TANGENT", "OBJECT", "WORLD"):
-    case(f"Normal Map {space}", tolerance=0.01 if space == "TANGENT" else TOLERANCE)(
+    case(f"Normal Map {space}")(
         lambda tree, space=space: add(
             tree, "NormalMap", {"Color": (0.7, 0.4, 0.9, 1.0), "Strength": 0.8}, space=space
         ).outputs[0]

@@ -15,16 +15,16 @@ CELL = 24
 FRAME = 6
 
 
-def shine(output, kind, scale=1.0, offset=0.0, **properties):
+def shine(output, kind, scale=1.0, offset=0.0, inputs=(), **properties):
     """A material that shines with what an output of a node gives, times `scale`, plus `offset`."""
     b_material = bpy.data.materials.new(kind)
     if bpy.app.version < (5, 0):
         b_material.use_nodes = True
     tree = b_material.node_tree
     tree.nodes.clear()
-    value = add_node(tree, kind, **properties).outputs[output]
-    inputs = {0: value, 1: (scale,) * 3, 2: (offset,) * 3}
-    color = add_node(tree, "VectorMath", inputs, operation="MULTIPLY_ADD").outputs[0]
+    value = add_node(tree, kind, inputs, **properties).outputs[output]
+    operands = {0: value, 1: (scale,) * 3, 2: (offset,) * 3}
+    color = add_node(tree, "VectorMath", operands, operation="MULTIPLY_ADD").outputs[0]
     emission = add_node(tree, "Emission", {0: color})
     tree.links.new(emission.outputs[0], tree.nodes.new("ShaderNodeOutputMaterial").inputs["Surface"])
     return b_material
@@ -122,7 +122,7 @@ def as_a_drum(where, b_material):
     uvs = drum.data.uv_layers.active.uv
     for number, corner in enumerate(uvs):
         corner.vector += Vector((0.07 * (number % 5), 0.11 * (number % 3)))
-    drum.rotation_euler = (0.7, 0.4, 0.2)
+    drum.rotation_euler, drum.scale = (0.7, 0.4, 0.2), (1.2, 0.8, 1.0)
     for polygon in drum.data.polygons:
         polygon.use_smooth = polygon.index % 3 > 0
     drum.data.materials.append(b_material)
@@ -155,6 +155,7 @@ CASES = {
     "radius of points": (as_points, ("Radius", "PointInfo", 3.0), {}),
     "random of points": (as_points, ("Random", "PointInfo"), {}),
     "tangents": (as_a_drum, ("Tangent", "Tangent", 0.5, 0.5), {"direction_type": "UV_MAP"}),
+    "normal map": (as_a_drum, ("Normal", "NormalMap", 0.5, 0.5), {"inputs": {"Color": (0.8, 0.6, 0.9, 1.0)}}),
     "pointiness": (as_a_rough_ball, ("Pointiness", "NewGeometry"), {}),
 }
 COLUMNS = 6

@@ -5,6 +5,9 @@ import bpy
 import numpy as np
 import pytest
 
+from blender_tests.helpers.engines import open_for_both, render_with
+from blender_tests.helpers.exported import add as add_object
+from blender_tests.helpers.exported import empty_scene, square
 from blender_tests.helpers.node_sheet import add, compared, position
 
 CASES = {}
@@ -68,3 +71,51 @@ def test_a_node_gives_what_it_gives_in_cycles(pictures, name):
     difference = np.abs(ours - theirs) / np.maximum(np.abs(theirs), 1.0)
     # where a function jumps, a picture has what is on either side
     assert np.quantile(difference, 0.95) <= TOLERANCE, f"{difference.max():.2g}"
+
+
+# ---- Holdouts --------------------------------------------------------------------------------------------------------
+
+
+def holdouts():
+    """Squares before a bright one: all, a part and a varying part of each is a holdout; two stand behind each other."""
+    scene = empty_scene()
+    scene.render.film_transparent = True
+    scene.camera.data.type, scene.camera.data.ortho_scale, scene.camera.location = "ORTHO", 8.0, (0.0, 0.0, 10.0)
+    scene.lambent.filter_type, scene.lambent.filter_width, scene.lambent.use_adaptive = "BOX", 1.0, False
+    factors = {"all": 1.0, "part": 0.3, "varying": None, "over": 0.6, "under": 0.5}
+    places = {"all": (-3, 0, 1), "part": (-1, 0, 1), "varying": (1, 0, 1), "over": (3, 0.2, 2), "under": (3, 0, 1)}
+    for name, factor in factors.items():
+        b_object = add_object(name, square(), location=places[name], scale=(0.8, 0.8, 0.8))
+        b_object.data.materials.append(held_out(name, factor, "Transparent" if name == "over" else "Emission"))
+    wall = add_object("Wall", square(), location=(0.0, 1.0, 0.0), scale=(4.0, 1.0, 1.0))
+    wall.data.materials.append(held_out("wall", 0.0, "Emission"))
+
+
+def held_out(name, factor, kind):
+    b_material = bpy.data.materials.new(name)
+    if bpy.app.version < (5, 0):
+        b_material.use_nodes = True
+    tree = b_material.node_tree
+    tree.nodes.clear()
+    mix, holdout = add(tree, "MixShader"), add(tree, "Holdout")
+    color = (0.9, 0.5, 0.2, 1.0)
+    other = add(tree, "Emission", {0: color}) if kind == "Emission" else add(tree, "BsdfTransparent", {0: color})
+    if factor is None:
+        tree.links.new(add(tree, "TexGradient", {0: add(tree, "TexCoord").outputs["Object"]}).outputs[0], mix.inputs[0])
+    else:
+        mix.inputs[0].default_value = factor
+    tree.links.new(other.outputs[0], mix.inputs[1])
+    tree.links.new(holdout.outputs[0], mix.inputs[2])
+    tree.links.new(mix.outputs[0], tree.nodes.new("ShaderNodeOutputMaterial").inputs["Surface"])
+    return b_material
+
+
+@pytest.mark.parametrize("is_transparent", [True, False])
+def test_holdouts_leave_empty_what_they_do_in_cycles(is_transparent):
+    scene = open_for_both(holdouts, (64, 24))
+    scene.render.film_transparent = is_transparent
+    ours, theirs = (render_with(engine, scene, 64)[0] for engine in ("LAMBENT", "CYCLES"))
+    assert len(np.unique(theirs[..., 3].round(2))) > (5 if is_transparent else 0)
+    difference = np.abs(ours - theirs).max(axis=-1)
+    assert np.mean(difference > 2e-3) < 0.15, "more than the pixels at outlines"
+    assert difference.max() < 0.1

@@ -20,7 +20,7 @@ from ..linalg.vec3 import BLACK, WHITE, Vec3, average, dot, is_black, load3, max
 from ..medium_tables import MEDIA
 from ..program_tables import POINT
 from ..sampling.sobol import sample_1d
-from ..shader.evaluate import emission, fill_bsdf, has_program
+from ..shader.evaluate import emission, fill_bsdf, has_program, holdout
 from ..shader.frames import lay_along
 from ..shader.point import set_surface
 from ..shape.interaction import make_interaction
@@ -135,7 +135,7 @@ def advance(scene, settings, walk):
         gather(walk, L, limit_of_found(settings, walk))
     if hit.prim < 0:
         if visibility == CAMERA and settings.transparent_background != 0:
-            walk.alpha = 1.0 - average(load3(walk, "beta") * clearness(walk, FAR))
+            walk.alpha -= average(load3(walk, "beta") * clearness(walk, FAR))
         else:
             L = background_radiance(scene, d, origin, visibility, walk.point)
             gather(walk, L * clearness(walk, FAR), limit_of_found(settings, walk))
@@ -171,6 +171,12 @@ def arrive(scene, settings, walk, hit):
         Le = emission(scene, material, walk.point)
         L = surface_emission(scene, it, Le, d, origin_of(walk), walk.distance + hit.t)
         gather(walk, L, limit_of_found(settings, walk))
+    if (
+        material.flags & MaterialFlag.HOLDOUT.value
+        and walk.visibility == CAMERA
+        and settings.transparent_background != 0
+    ):
+        walk.alpha -= average(load3(walk, "beta")) * holdout(scene, material, walk.point)
     return it
 
 

@@ -36,7 +36,7 @@ def undisplaced(surface):
         return graph.from_attribute(value, InputVector.GENERATED, GENERATED)
 
     closures = [(row, {name: before(value) for name, value in varying.items()}) for row, varying in surface.closures]
-    return Surface(closures, before(surface.emission), before(surface.transparency))
+    return Surface(closures, *map(before, surface[1:]))
 
 
 def add_generated(placements, geometries, displacements):

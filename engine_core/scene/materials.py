@@ -49,6 +49,11 @@ class Transparent:
 
 
 @dataclass(frozen=True)
+class Holdout:
+    """Absorbs everything, and leaves the picture empty where the camera sees it."""
+
+
+@dataclass(frozen=True)
 class Glossy:
     """GGX reflection of one colour at every angle; or Ashikhmin and Shirley's."""
 
@@ -239,13 +244,14 @@ class Surface(NamedTuple):
     closures: list  # (row of CLOSURE, {field: value that varies})
     emission: object  # value: radiance
     transparency: object  # value: what light passes straight through
+    holdout: object  # value: how much of the picture stays empty, three equal floats
 
 
 def flatten(surface):
     """The Surface that a closure is: a flat list of what scatters, with mix factors multiplied out."""
     flattening = _Flattening()
     flattening.add(surface, 1.0)
-    return Surface(flattening.closures, flattening.emission, flattening.transparency)
+    return Surface(flattening.closures, flattening.emission, flattening.transparency, flattening.holdout)
 
 
 def lower(closures):
@@ -271,7 +277,7 @@ class _Flattening:
 
     def __init__(self):
         self.closures, self.layers = [], 0
-        self.emission = self.transparency = (0.0, 0.0, 0.0)
+        self.emission = self.transparency = self.holdout = (0.0, 0.0, 0.0)
 
     def add(self, closure, weight):
         """Add `closure`, mixed in with `weight`, a number."""
@@ -302,6 +308,9 @@ class _Flattening:
 
     def _black(self, c, weight):
         pass
+
+    def _holdout(self, c, weight):
+        self.holdout = graph.added(self.holdout, graph.splat(weight))
 
     def _mix(self, c, weight):
         factor = graph.clamped(c.factor)

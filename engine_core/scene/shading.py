@@ -63,7 +63,7 @@ class Shading:
             for closure, varying in surface.closures
         ]
         values = [v for _, varying in closures for v in varying.values()]
-        if ask_the_object([*values, surface.emission, surface.transparency]):
+        if ask_the_object([*values, *surface[1:]]):
             row["flags"] |= MaterialFlag.LOCAL
         lobes = np.zeros(0, LOBE)
         bent = any(row[name].any() for row, _ in closures for name in ("normal", "coat_normal", "tangent"))
@@ -92,6 +92,8 @@ class Shading:
             row["flags"] |= MaterialFlag.EMISSIVE | (MaterialFlag.ONE_SIDED if material.one_sided else 0)
         transparency, row["transparency_program"] = self._value(surface.transparency)
         row["transparency"] = np.minimum(transparency, 1.0)
+        row["holdout"], row["holdout_program"] = self._value(surface.holdout)
+        row["flags"] |= MaterialFlag.HOLDOUT if row["holdout"].any() else 0
         row["flags"] |= 0 if material.transparent_shadows else MaterialFlag.OPAQUE_SHADOW
         if any(_may_be_clear(closure, values) for closure, values in closures):
             row["flags"] |= MaterialFlag.PANE | MaterialFlag.TRANSPARENT

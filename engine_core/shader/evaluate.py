@@ -18,7 +18,7 @@ SURFACE, VALUE, LIGHT = int(Entry.SURFACE), int(Entry.VALUE), int(Entry.LIGHT)
 
 @kernel
 def has_program(material):
-    return material.program > 0 or material.emission_program > 0
+    return material.program > 0 or material.emission_program > 0 or material.holdout_program > 0
 
 
 @kernel
@@ -75,6 +75,14 @@ def emission(scene, material, point):
     if material.emission_program > 0:
         return run_program(scene, material.emission_program, point)
     return load3(material, "emission")
+
+
+@kernel
+def holdout(scene, material, point):
+    """How much of the picture a surface leaves empty where the camera sees it, 0 to 1."""
+    if material.holdout_program > 0:
+        return run_program(scene, material.holdout_program, point).x
+    return material.holdout[0]
 
 
 @kernel

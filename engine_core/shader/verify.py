@@ -6,6 +6,7 @@ import numpy as np
 from ..program_tables import CLOSURE, CURVE_SIZE, MAX_REGISTERS, ClosureKind, TexelFormat
 from .opcodes import SIGNATURES
 
+MATERIAL_PROGRAMS = ("program", "emission_program", "transparency_program", "holdout_program")
 FIRST_FLOAT = CLOSURE.fields["weight"][1] // 4  # the fields before it are not for programs to set
 
 
@@ -102,7 +103,7 @@ def _users(tables):
     count = len(tables["programs"])
     world = tables["world"]
     used = [tables["lights"]["program"], world["background_program"]]
-    used += [tables["materials"][name] for name in ("program", "emission_program", "transparency_program")]
+    used += [tables["materials"][name] for name in MATERIAL_PROGRAMS]
     if any(len(rows) and (rows.min() < 0 or rows.max() >= count) for rows in used):
         yield "there are users of no program"
     width, height = int(world["map_width"][0]), int(world["map_height"][0])
