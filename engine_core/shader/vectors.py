@@ -8,7 +8,7 @@ import numpy as np
 from ..jit import kernel
 from ..linalg.frame import frame_from_normal
 from ..linalg.transform import transform_normal, transform_point, transform_vector
-from ..linalg.vec3 import BLACK, Vec3, cross, dot, is_black, load3, load3_at
+from ..linalg.vec3 import BLACK, Vec3, cross, dot, is_black, load3
 from ..linalg.vector_math import mapping, rotate, safe_normalize
 from ..motion import instance_at, new_instance
 from ..tables import TreeKind
@@ -114,6 +114,7 @@ def normal_map(scene, op, point, registers):
     n = load3(point, "ns")
     outside = -n if point.backfacing else n
     if op.mode == NormalSpace.TANGENT:
+        v = Vec3(v.x * strength, v.y * strength, 1.0 + (v.z - 1.0) * min(strength, ONE))
         mapped = in_tangent_space(scene, point, vector(op, registers, 2), number(op, registers, 3), v, outside)
     elif op.mode == NormalSpace.OBJECT and point.instance >= 0:
         mapped = safe_normalize(
@@ -123,23 +124,19 @@ def normal_map(scene, op, point, registers):
         mapped = safe_normalize(v)
     if point.backfacing:
         mapped = -mapped
-    mapped = safe_normalize(n + (mapped - n) * strength)
+    if op.mode != NormalSpace.TANGENT:
+        mapped = safe_normalize(n + (mapped - n) * strength)
     give_vector(op, registers, n if is_black(mapped) else mapped)
 
 
 @kernel
 def in_tangent_space(scene, point, tangent, sign, v, outside):
-    """The vector `v` of the frame that normals and tangents make in object space: interpolated, and as long as they are
-    then, for which pictures of normals are made. `outside` where there are no tangents."""
+    """The vector `v` of the frame that normal and tangent make in object space. The tangent is as long as interpolation
+    leaves it, for which pictures of normals are made. `outside`, the normal, where there is no tangent."""
     if is_black(tangent) or point.kind != TreeKind.TRIANGLES or point.instance < 0:
         return outside
-    triangle, instance = scene.triangles[point.prim], instance_at(scene, point.instance, point.time, new_instance())
-    n0, n1, n2 = load3_at(triangle, "n", 0), load3_at(triangle, "n", 1), load3_at(triangle, "n", 2)
-    if triangle.instance >= 0:  # its normals are those in the world
-        n0 = safe_normalize(transform_normal(instance, "to_world", n0))
-        n1 = safe_normalize(transform_normal(instance, "to_world", n1))
-        n2 = safe_normalize(transform_normal(instance, "to_world", n2))
-    n = n0 * (1.0 - point.b1 - point.b2) + n1 * point.b1 + n2 * point.b2
+    instance = instance_at(scene, point.instance, point.time, new_instance())
+    n = safe_normalize(transform_normal(instance, "to_world", outside))
     mapped = safe_normalize(tangent * v.x + cross(n, tangent) * (sign * v.y) + n * v.z)
     return safe_normalize(transform_normal(instance, "to_object", mapped))
 
