@@ -8,7 +8,7 @@ import numpy as np
 from ..jit import kernel
 from ..linalg.frame import frame_from_normal
 from ..linalg.transform import transform_normal, transform_point, transform_vector
-from ..linalg.vec3 import BLACK, Vec3, cross, dot, is_black, load3
+from ..linalg.vec3 import BLACK, Vec3, cross, dot, is_black, load3, load3_at
 from ..linalg.vector_math import mapping, rotate, safe_normalize
 from ..motion import instance_at, new_instance
 from ..tables import TreeKind
@@ -136,7 +136,13 @@ def in_tangent_space(scene, point, tangent, sign, v, outside):
     if is_black(tangent) or point.kind != TreeKind.TRIANGLES or point.instance < 0:
         return outside
     instance = instance_at(scene, point.instance, point.time, new_instance())
-    n = safe_normalize(transform_normal(instance, "to_world", outside))
+    triangle = scene.triangles[point.prim]
+    n0, n1, n2 = load3_at(triangle, "n", 0), load3_at(triangle, "n", 1), load3_at(triangle, "n", 2)
+    if triangle.instance >= 0:  # its normals are those in the world
+        n0 = safe_normalize(transform_normal(instance, "to_world", n0))
+        n1 = safe_normalize(transform_normal(instance, "to_world", n1))
+        n2 = safe_normalize(transform_normal(instance, "to_world", n2))
+    n = safe_normalize(n0 * (1.0 - point.b1 - point.b2) + n1 * point.b1 + n2 * point.b2)
     mapped = safe_normalize(tangent * v.x + cross(n, tangent) * (sign * v.y) + n * v.z)
     return safe_normalize(transform_normal(instance, "to_object", mapped))
 
