@@ -407,15 +407,9 @@ class _Flattening:
             values[name] = getattr(c, name)
         for name in ("subsurface_weight", "subsurface_radius", "subsurface_ior", "subsurface_anisotropy"):
             values[name] = getattr(c, name)
-        for name in (
-            "sheen_weight",
-            "sheen_roughness",
-            "sheen_tint",
-            "coat_normal",
-            "film_thickness",
-            "film_ior",
-            "thin_wall",
-        ):
+        for name in ("sheen_weight", "sheen_roughness", "sheen_tint", "coat_normal"):
+            values[name] = getattr(c, name)
+        for name in ("film_thickness", "film_ior", "thin_wall"):
             values[name] = getattr(c, name)
         self._row(ClosureKind.PRINCIPLED, weight, values, c.multiscatter, self.layers, c.subsurface_kind, loose=c.loose)
 
