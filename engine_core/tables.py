@@ -388,7 +388,8 @@ WORLD = np.dtype(
         ("transparent_shadows", "i4"),  # 1: some material lets shadow rays pass
         ("has_media", "i4"),  # 1: somewhere is a medium, so paths keep account of which they are in
         ("medium", "i4"),  # row of MEDIUM that is everywhere; -1: none
-        ("camera_in_media", "i4"),  # 1: the camera may stand in the medium of an object
+        ("camera_in_media", "i4"),  # 1: the camera may stand in the medium of an object that has a surface ...
+        ("camera_in_boundary", "i4"),  # ... or of one that has none
         ("centre", "f4", (3,)),  # of a ball around everything
         ("radius", "f4"),
         ("lift_below", "f4"),  # the largest in OBJECT of what has smooth normals

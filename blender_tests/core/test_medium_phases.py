@@ -6,6 +6,7 @@ import pytest
 
 from engine_core.jit import kernel
 from engine_core.linalg.vec3 import Vec3
+from engine_core.medium import equiangular
 from engine_core.medium.dispatch import phase_value, sample_cosine
 from engine_core.medium.homogeneous import fly
 from engine_core.medium_tables import PHASE
@@ -51,12 +52,22 @@ def test_samples_follow_the_density(phase):
         assert np.abs(found - u).max() < 6e-3
 
 
+LIGHTS = {"none": (0.0, 0.0, 1e9), "beside": (0.1, 0.3, 0.0), "behind": (0.0, -0.2, -0.4), "far": (1.0, 6.0, 0.0)}
+
+
 @kernel
-def _fly(sigma_t, sigma_s, beta, t_max, nothing, n, within, sums):
-    for i in range(n):
+def _aim(place, t_max, sigma_t):
+    """At a light, of a ray from the origin along y."""
+    return equiangular.aim_at(Vec3(0.0, 0.0, 0.0), Vec3(0.0, 1.0, 0.0), t_max, place, np.float32(0.01), sigma_t)
+
+
+@kernel
+def _fly(sigma_t, sigma_s, beta, t_max, light, nothing, n, within, sums):
+    aim = _aim(light, t_max, sigma_t)
+    for i in range(10 * n):
         for j in range(n):
-            u0, u1 = (np.float32(i) + 0.5) / np.float32(n), (np.float32(j) + 0.5) / np.float32(n)
-            flight = fly(sigma_t, sigma_s, beta, t_max, nothing, u0, u1)
+            u0, u1 = (np.float32(i) + 0.5) / np.float32(10 * n), (np.float32(j) + 0.5) / np.float32(n)
+            flight = fly(sigma_t, sigma_s, beta, t_max, aim, nothing, u0, u1)
             row = 0 if not flight.scatters else (1 if flight.t < within else 2)
             sums[row, 0] += flight.weight.x
             sums[row, 1] += flight.weight.y
@@ -65,17 +76,48 @@ def _fly(sigma_t, sigma_s, beta, t_max, nothing, n, within, sums):
             sums[3, 0] = max(sums[3, 0], after.x + after.y + after.z)
 
 
+@pytest.mark.parametrize("light", LIGHTS)
 @pytest.mark.parametrize("nothing", [False, True])
 @pytest.mark.parametrize("sigma_s", [(0.5, 1.0, 2.0), (0.0, 0.3, 4.0), (0.05, 0.1, 0.0)])
-def test_flights_stand_for_all_that_is_scattered_and_gets_through(sigma_s, nothing):
+def test_flights_stand_for_all_that_is_scattered_and_gets_through(sigma_s, nothing, light):
     sigma_s, n, t_max, within = np.array(sigma_s), 400, 1.5, 0.4
     sigma_t = sigma_s + np.array([0.2, 0.0, 0.1])
-    sums = np.zeros((4, 3))
-    _fly(Vec3(*sigma_t), Vec3(*sigma_s), Vec3(1.0, 0.5, 0.8), np.float32(t_max), nothing, n, np.float32(within), sums)
-    through, near, far = sums[:3] / n**2
+    sums, place, t_max = np.zeros((4, 3)), Vec3(*LIGHTS[light]), np.float32(t_max)
+    share = _aim(place, t_max, Vec3(*sigma_t)).share
+    if light == "none":
+        assert share == 0.0
+    elif light == "beside":
+        assert share > 0.1
+    beta = Vec3(1.0, 0.5, 0.8)
+    _fly(Vec3(*sigma_t), Vec3(*sigma_s), beta, t_max, place, nothing, n, np.float32(within), sums)
+    through, near, far = sums[:3] / (10 * n**2)
     albedo = sigma_s / sigma_t
     expected = albedo * -np.expm1(-sigma_t * within), albedo * (np.exp(-sigma_t * within) - np.exp(-sigma_t * t_max))
     assert near == pytest.approx(expected[0], rel=0.02, abs=1e-6)
     assert far == pytest.approx(expected[1], rel=0.02, abs=1e-6)
     assert through == pytest.approx(0.0 if nothing else np.exp(-sigma_t * t_max), rel=0.02)
-    assert sums[3, 0] <= 2.3001  # no flight brings more than it had
+    assert sums[3, 0] <= 2.3001 / (1.0 - share)  # none brings more than it had, by as much as aimed flights take
+
+
+@kernel
+def _places(light, t_max, u, t, density):
+    aim = _aim(light, t_max, Vec3(0.1, 0.1, 0.1))
+    for i in range(len(u)):
+        t[i] = equiangular.sample(aim, u[i])
+        density[i] = equiangular.pdf(aim, t[i])
+
+
+@pytest.mark.parametrize("t_max", [1.5, np.inf])
+@pytest.mark.parametrize("light", ["beside", "behind"])
+def test_places_near_a_light_follow_their_density(light, t_max):
+    """Between evenly spread numbers lies an equal part of the density's integral."""
+    u = ((np.arange(20_000) + 0.5) / 20_000).astype(np.float32)
+    t, density = np.zeros(len(u), np.float32), np.zeros(len(u), np.float32)
+    _places(Vec3(*LIGHTS[light]), np.float32(t_max), u, t, density)
+    t, density = t.astype(float), density.astype(float)
+    below = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(t))])
+    assert t.min() > -1e-5
+    assert t.max() < t_max
+    assert (np.diff(t) > -1e-5 * (1.0 + t[1:])).all()
+    middle = u < 0.99  # beyond it lies half of an endless ray
+    assert below[middle] == pytest.approx(u[middle] - u[0], abs=2e-3)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Light in media, where it is known on paper."""
 
+import itertools
 import math
 
 import numpy as np
@@ -194,6 +195,33 @@ def test_light_scattered_once(integrator):
     image = picture(b, size=16, samples=64, integrator=integrator, volume_bounces=0, adaptive=0)
     mean, error = mean_and_error(image)
     assert (error < 0.01 * mean).all()
+    assert (np.abs(mean - expected) < 4.5 * error + 1e-4 * mean).all()
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_light_of_a_lamp_in_a_fog_scattered_once(integrator):
+    """The ray passes near three lamps, against quadrature."""
+    sigma_s, sigma_t = np.array([0.6, 1.2, 0.1]), np.array([0.8, 1.2, 0.15])
+    b = seen_along_y()
+    b.background((0, 0, 0))
+    fill(b, VolumeCoefficients(tuple(sigma_t - sigma_s), tuple(sigma_s)), "sphere")
+    lamps = {(0.0, 0.2, 0.1): 1.0, (0.3, -0.6, 0.2): 0.5, (0.5, 0.5, 0.5): 0.2}
+    for place, power in lamps.items():
+        b.point_light("Lamp", place, (4.0 * math.pi**2 * power,) * 3)
+
+    def seen(y, sigma):
+        """Radiance scattered at a place of the ray, a metre of it, that gets out of the ball."""
+        away = [(math.dist(place, (0.0, y, 0.0)), power) for place, power in lamps.items()]
+        return sum(power * math.pi * math.exp(-sigma * (y + 1.0 + r)) / r**2 for r, power in away) / (4.0 * math.pi)
+
+    near = [-1.0, -0.6, 0.2, 0.5, 1.0]
+    expected = [
+        s * sum(integral(seen, *ends, args=(t,), epsabs=1e-6)[0] for ends in itertools.pairwise(near))
+        for s, t in zip(sigma_s, sigma_t, strict=True)
+    ]
+    image = picture(b, size=16, samples=256, integrator=integrator, volume_bounces=0, adaptive=0)
+    mean, error = mean_and_error(image)
+    assert (error < 0.02 * mean).all()
     assert (np.abs(mean - expected) < 4.5 * error + 1e-4 * mean).all()
 
 

@@ -12,17 +12,19 @@ that faces everywhere.
 
 import numpy as np
 
-from ..accel.traverse import Hit, intersect_closest
+from ..accel.traverse import Hit, intersect_closest, intersect_instances, intersect_moving
 from ..jit import kernel, variant
+from ..light import dispatch as light_dispatch
+from ..light.select import select
 from ..linalg.ray import offset_ray_origin
 from ..linalg.records import copy_record, scratch_record
-from ..linalg.vec3 import BLACK, WHITE, Vec3, dot, is_black, length, load3, store3
-from ..medium import homogeneous, inside
+from ..linalg.vec3 import BLACK, WHITE, Vec3, dot, is_black, length, load3, max_component, store3
+from ..medium import equiangular, homogeneous, inside
 from ..medium.dispatch import gather_phases
 from ..medium_tables import MEDIA, PHASES
 from ..sampling.sobol import sample_1d, sample_2d
 from ..shape.interaction import Interaction, make_interaction
-from ..tables import BOUNDARY_SHIFT, MaterialFlag, Visibility
+from ..tables import BOUNDARY_SHIFT, MaterialFlag, TreeKind, Visibility
 from . import direct, mixture, path, phases, uniform, walk
 from .direct import transparency
 from .walk import ABOVE, CAMERA, FAR, ZERO, dimension_of, gather, gather_direct, limit_of_found, survives
@@ -32,6 +34,7 @@ MOST_CROSSINGS = 1024  # of boundaries, before a path is given up
 MOST_PROBED = 128  # surfaces, or boundaries, above the camera that are asked whether it is inside
 UP = Vec3(0.0, 0.0, 1.0)
 NONE = np.int32(-1)
+NO_TREE, NO_PRIM = int(TreeKind.TRIANGLES), -1  # as a Hit holds them
 ONE = np.float32(1.0)
 ONE_LOOK = 1  # at lights, from where a path is scattered by media
 
@@ -53,20 +56,40 @@ def set_out(scene, path, ray, time):
     path.volume_bounces = 0
     inside.nowhere(scene, path.media)
     if scene.world[0].camera_in_media != 0:
-        look_up(scene, path.media, ray.o, CAMERA, time)
-        look_up(scene, path.media, ray.o, CAMERA << BOUNDARY_SHIFT, time)
+        look_up(scene, path.media, ray.o, time)
+    if scene.world[0].camera_in_boundary != 0:
+        look_up_among_boundaries(scene, path.media, ray.o, time)
 
 
 @kernel
-def look_up(scene, media, o, visibility, time):
+def surface_above(scene, o, time):
+    return intersect_closest(scene, o, UP, FAR, CAMERA, time)
+
+
+@kernel
+def boundary_above(scene, o, time):
+    """Boundaries are instances, all of them."""
+    world, visibility = scene.world[0], CAMERA << BOUNDARY_SHIFT
+    hit = Hit(FAR, NO_TREE, NO_PRIM, NO_PRIM, ZERO, ZERO)
+    if world.instance_root >= 0:
+        hit = intersect_instances(scene, world.instance_root, o, UP, FAR, visibility)
+    if world.moving_root >= 0:
+        found = intersect_moving(scene, world.moving_root, o, UP, hit.t, visibility, time)
+        if found.prim >= 0:
+            hit = found
+    return hit
+
+
+@kernel
+def look_up(scene, media, o, time):
     """Enter all media that `o` is in: those whose surface is left before it was entered, on the way up.
 
-    `visibility`: of surfaces or of boundaries. A box may reach to the ceiling, and only one of them would be met.
+    By those that have a surface. A box may reach to the ceiling, and only one of them would be met.
     """
     entered = new_media()
     entered.count = 0
     for _ in range(MOST_PROBED):
-        hit = intersect_closest(scene, o, UP, FAR, visibility, time)
+        hit = surface_above(scene, o, time)
         if hit.prim < 0:
             return
         it = make_interaction(scene, hit, o, UP, time)
@@ -77,6 +100,9 @@ def look_up(scene, media, o, visibility, time):
             elif not inside.contains(entered, it.instance, medium):
                 inside.cross(scene, media, it.instance, medium, False)
         o = offset_ray_origin(it.p, -it.ng)
+
+
+look_up_among_boundaries = in_media(look_up, "among_boundaries", surface_above=boundary_above)
 
 
 @kernel
@@ -109,20 +135,37 @@ def dimension_of_media(path):
 
 @kernel
 def intersect_all(scene, o, d, t_max, visibility, time):
-    """As `intersect_closest`, of surfaces and boundaries. Where they lie in one place it is the surface.
+    """As `intersect_closest`, of surfaces and boundaries. Where they lie in one place it is either."""
+    return intersect_closest(scene, o, d, t_max, visibility | visibility << BOUNDARY_SHIFT, time)
+
+
+@kernel
+def is_boundary(scene, hit):
+    return hit.instance >= 0 and scene.instances[hit.instance].visibility >> BOUNDARY_SHIFT != 0
+
+
+@kernel
+def surface_at(scene, it, t, visibility, time):
+    """The surface that lies in one place with the boundary at `it`, a Hit at `t`.
 
     A box of smoke may stand on a floor. A path that goes through the box' bottom is moved off it, and would then be
     below the floor. Where the floor is met instead, it is scattered while it still is in the smoke.
     """
-    hit = intersect_closest(scene, o, d, t_max, visibility | visibility << BOUNDARY_SHIFT, time)
-    if hit.instance < 0 or scene.instances[hit.instance].visibility >> BOUNDARY_SHIFT == 0:
-        return hit
-    it = make_interaction(scene, hit, o, d, time)
     before, behind = offset_ray_origin(it.p, it.ng), offset_ray_origin(it.p, -it.ng)
     surface = intersect_closest(scene, before, behind - before, ONE, visibility, time)
-    if surface.prim < 0:
-        return hit
-    return Hit(hit.t, surface.kind, surface.prim, surface.instance, surface.b1, surface.b2)
+    return Hit(t, surface.kind, surface.prim, surface.instance, surface.b1, surface.b2)
+
+
+@kernel
+def arrive(scene, settings, path, hit):
+    """As that of `walk`. What is scattered before it never asks which of a surface and a boundary was met."""
+    if path.side == ABOVE and is_boundary(scene, hit):
+        it = make_interaction(scene, hit, load3(path, "o"), load3(path, "d"), path.time)
+        surface = surface_at(scene, it, hit.t, path.visibility, path.time)
+        if surface.prim < 0:
+            return it
+        hit = surface
+    return walk.arrive(scene, settings, path, hit)
 
 
 # ---- How far do we get? ----------------------------------------------------------------------------------------------
@@ -136,7 +179,29 @@ def clearness(path, t):
 
 
 @kernel
-def is_scattered(settings, path, sampler, hit):
+def aim_at_light(scene, path, sampler, t):
+    """An Aim at one of the lights that shine on the path's ray."""
+    if scene.world[0].light_count == 0:
+        return equiangular.no_aim()
+    o, d, sigma_t = load3(path, "o"), load3(path, "d"), load3(path.media, "sigma_t")
+    near = 0.5 * min(t, 1.0 / max_component(sigma_t))
+    u = sample_1d(sampler, FLIGHTS + 1 + dimension_of_media(path))
+    chosen = select(scene, o + d * near, BLACK, True, u)
+    if chosen.pmf <= 0.0:
+        return equiangular.no_aim()
+    light = scene.lights[chosen.light]
+    if light.leaf < 0 and light.irradiance > 0.0:  # is far
+        return equiangular.no_aim()
+    return equiangular.aim_at(o, d, t, light_dispatch.centre(light), light_dispatch.size(light), sigma_t)
+
+
+@kernel
+def aim_at_nothing(scene, path, sampler, t):
+    return equiangular.no_aim()
+
+
+@kernel
+def is_scattered(scene, settings, path, sampler, hit):
     """Gathers what media emit on the way, dims the path, and moves it to where it is scattered if it is."""
     media = path.media
     if media.count == 0 or path.side != ABOVE:
@@ -152,7 +217,8 @@ def is_scattered(settings, path, sampler, hit):
         store3(path, "beta", beta * homogeneous.transmittance(sigma_t, t))
         return False
     u_event, u_t = sample_2d(sampler, FLIGHTS + dimension_of_media(path))
-    flight = homogeneous.fly(sigma_t, sigma_s, beta, t, ends_in_nothing, u_event, u_t)
+    aim = aim_at_light(scene, path, sampler, t)
+    flight = homogeneous.fly(sigma_t, sigma_s, beta, t, aim, ends_in_nothing, u_event, u_t)
     store3(path, "beta", beta * flight.weight)
     if not flight.scatters:
         return False
@@ -176,6 +242,11 @@ def shadow_transmittance(scene, settings, path, it, o, d, t_max):
         if hit.prim < 0:
             return clear
         at = make_interaction(scene, hit, o, d, path.time)
+        if is_boundary(scene, hit):
+            surface = surface_at(scene, at, hit.t, Visibility.SHADOW.value, path.time)
+            if surface.prim >= 0:
+                hit = surface
+                at = make_interaction(scene, hit, o, d, path.time)
         if not scene.materials[at.material].flags & MaterialFlag.BOUNDARY.value:
             passed += 1
             clear = clear * transparency(scene, at, hit, d)
@@ -273,6 +344,7 @@ COMMON = {
     "advance": in_media(
         walk.advance, intersect_closest=intersect_all, lamp_radiance=lamp_radiance, clearness=clearness
     ),
+    "arrive": arrive,
     "is_scattered": is_scattered,
     "is_no_surface": is_no_surface,
     "dimension_of": dimension_of_media,
@@ -287,4 +359,5 @@ trace_path = in_media(
     **COMMON,
 )
 trace_mixture = in_media(mixture.trace, sample_delta=sample_delta, scatter_in_media=scatter_by_mixture, **COMMON)
-trace_uniform = in_media(uniform.trace, sample_delta=sample_delta, scatter_in_media=scatter_uniformly, **COMMON)
+AIMLESS = {**COMMON, "is_scattered": in_media(is_scattered, "aimlessly", aim_at_light=aim_at_nothing)}
+trace_uniform = in_media(uniform.trace, sample_delta=sample_delta, scatter_in_media=scatter_uniformly, **AIMLESS)

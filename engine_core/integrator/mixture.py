@@ -46,7 +46,7 @@ def trace(scene, settings, film, sampler, ray, time):
     while True:
         # ---- Where are we, and what shone on the way? ------------------------------------------------------------
         hit = advance(scene, settings, walk)
-        if is_scattered(settings, walk, sampler, hit):
+        if is_scattered(scene, settings, walk, sampler, hit):
             if scatter_in_media(scene, settings, walk, sampler):
                 continue
             break

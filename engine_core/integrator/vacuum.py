@@ -15,7 +15,7 @@ def clearness(walk, t):
 
 
 @kernel
-def is_scattered(settings, walk, sampler, hit):
+def is_scattered(scene, settings, walk, sampler, hit):
     """Whether the path is scattered before it gets to what it hit."""
     return False
 

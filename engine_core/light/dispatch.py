@@ -4,6 +4,8 @@
 `p`: the point that is lit. Visibility, and whether something stands between, is for the caller.
 """
 
+import math
+
 from ..jit import kernel
 from ..linalg.vec3 import BLACK, load3, normalize
 from ..shape.box import nearest_face
@@ -81,6 +83,21 @@ def pdf(scene, light, p, wi, t):
     if kind == LightKind.BOX:
         return box.pdf(light, p, wi, t)
     return background.pdf(scene, wi)
+
+
+@kernel
+def centre(light):
+    """A point in the middle of a light that stands somewhere."""
+    p = load3(light, "p")
+    if light.kind == LightKind.TRIANGLE:
+        return p + (load3(light, "u") + load3(light, "v")) * (1.0 / 3.0)
+    return p
+
+
+@kernel
+def size(light):
+    """About how far it reaches from its centre."""
+    return max(light.radius, 0.5 * math.sqrt(light.area))
 
 
 @kernel

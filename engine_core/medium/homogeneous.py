@@ -8,6 +8,7 @@ import numpy as np
 
 from ..jit import kernel
 from ..linalg.vec3 import BLACK, WHITE, Vec3
+from . import equiangular
 
 ZERO = np.float32(0.0)
 FARTHEST = np.float32(1e30)  # metres: so that nothing over an infinite distance is still nothing
@@ -48,13 +49,15 @@ def emitted(emission, sigma_t, t):
 
 
 @kernel
-def fly(sigma_t, sigma_s, beta, t_max, ends_in_nothing, u_event, u_t):
+def fly(sigma_t, sigma_s, beta, t_max, aim, ends_in_nothing, u_event, u_t):
     """The Flight of a path of throughput `beta` through `t_max` metres. `ends_in_nothing`: getting through is no use.
 
     Getting through, and scattering as each of three colours would, are four ways to go on. One is chosen by the
     throughput that it promises, and its weight is that of all of them together (the balance heuristic over colours,
     Veach 1997, section 9.2.4; Wilkie et al. 2014). So the colours' sum of the throughput after the flight is always
     the same: all that is neither absorbed nor lost. Absorption dims paths, and never ends them.
+
+    `aim`: at a light near which to scatter is a fifth way, at the expense of the colours.
     """
     held = held_back(sigma_t, t_max)
     scattered = beta * albedo(sigma_t, sigma_s) * held
@@ -66,16 +69,23 @@ def fly(sigma_t, sigma_s, beta, t_max, ends_in_nothing, u_event, u_t):
         weight = transmittance(sigma_t, t_max) * (total / through) if through > 0.0 else BLACK
         return Flight(t_max, False, weight)
 
-    # by the distances of one colour; what u is left with decides which
-    sigma, part = sigma_t.z, held.z
-    if u < scattered.x:
-        sigma, part = sigma_t.x, held.x
-    elif u < scattered.x + scattered.y or scattered.z <= 0.0:
-        sigma, part = (sigma_t.y, held.y) if scattered.y > 0.0 else (sigma_t.x, held.x)
-    t = min(-math.log1p(-u_t * part) / sigma, t_max)
+    aimed = aim.share * (total - through)
+    if u < aimed:
+        t = min(max(equiangular.sample(aim, u_t), 0.0), t_max)
+    else:  # by the distances of one colour; what u is left with decides which
+        u = (u - aimed) / (1.0 - aim.share)
+        sigma, part = sigma_t.z, held.z
+        if u < scattered.x:
+            sigma, part = sigma_t.x, held.x
+        elif u < scattered.x + scattered.y or scattered.z <= 0.0:
+            sigma, part = (sigma_t.y, held.y) if scattered.y > 0.0 else (sigma_t.x, held.x)
+        t = min(-math.log1p(-u_t * part) / sigma, t_max)
     reaching = sigma_s * transmittance(sigma_t, t)
-    density = beta * reaching
-    return Flight(t, True, reaching * (total / (density.x + density.y + density.z)))
+    by_color = beta * reaching
+    density = (1.0 - aim.share) * (by_color.x + by_color.y + by_color.z)
+    if aim.share > 0.0:
+        density += aimed * equiangular.pdf(aim, t)
+    return Flight(t, True, reaching * (total / density))
 
 
 @kernel

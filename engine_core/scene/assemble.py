@@ -90,6 +90,7 @@ class _Assembly:
         lights = self._lights(materials, world)
         tell_terminators(self.objects, self.placements, self.geometries, world)
         placed = self.placements, self.matrices, self.instances
+        media = MediaTables(self.builder, self.geometries, materials, world, *placed)  # sets who sees instances
         scene = Scene(
             nodes=_concatenate(self.nodes, NODE),
             packets=_concatenate(self.packets, PACKET),
@@ -107,8 +108,7 @@ class _Assembly:
             camera=camera,
             world=world,
             **attributes | shading.instance_values(valued),  # lamps may ask for more
-            **MediaTables(self.builder, self.geometries, materials, world, *placed).tables(),
-            **no_guide(),
+            **media.tables() | no_guide(),
             **shading.programs.tables(entries_needed(materials)),
         )
         return self._with_baked_light(scene)

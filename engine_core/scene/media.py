@@ -22,22 +22,22 @@ class MediaTables:
         self.builder, self.geometries, self.materials = builder, geometries, materials
         materials["medium"] = [self._add(material.name, material.medium) for material in builder.materials]
         self.world_medium = self._add("World", builder.world_medium)
-        self._fill_world(world, placements, matrices)
-        bare = [number for number, p in enumerate(placements) if has_no_surface(materials, p.materials)]
-        instances["visibility"][bare] <<= BOUNDARY_SHIFT
+        bare = np.array([has_no_surface(materials, p.materials) for p in placements], bool)
+        self._fill_world(world, placements, matrices, bare)
+        instances["visibility"][np.flatnonzero(bare)] <<= BOUNDARY_SHIFT
 
     def tables(self):
         phases = np.array(self.phases, PHASE) if self.phases else np.zeros(0, PHASE)
         return {"media": np.array(self._media, MEDIUM), "phases": phases}
 
-    def _fill_world(self, world, placements, matrices):
+    def _fill_world(self, world, placements, matrices, bare):
         holders = [bool((self.materials["medium"][list(p.materials)] >= 0).any()) for p in placements]
         world["medium"] = self.world_medium
         world["has_media"] = self.world_medium >= 0 or any(holders)
-        world["camera_in_media"] = any(
-            holds and self._may_hold_camera(placement, matrix)
-            for holds, placement, matrix in zip(holders, placements, matrices, strict=True)
-        )
+        about = zip(holders, placements, matrices, strict=True)
+        around = np.array([holds and self._may_hold_camera(*place) for holds, *place in about], bool)
+        world["camera_in_media"] = bool((around & ~bare).any())
+        world["camera_in_boundary"] = bool((around & bare).any())
 
     def _add(self, name, medium):
         """Row of MEDIUM."""
