@@ -378,7 +378,7 @@ def test_triangle_is_hit_within_its_corners():
 # ---- Bounds ----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("kind", list(ShapeKind))
+@pytest.mark.parametrize("kind", sorted(set(ShapeKind) - {ShapeKind.STRAND}))  # a strand has tests of its own
 def test_bounds_contain_every_hit_and_are_tight(kind):
     c = np.array([10.0, -3.0, 2.0])
     v = (-0.16, 0.4, 0.2) if kind == ShapeKind.BOX else SLANTED["v"]  # boxes have right angles
