@@ -40,7 +40,11 @@ def tree():
             {"Color": COLOR, "Roughness": 0.3, "Anisotropy": 0.6},
             m.Glossy(RGB, roughness=0.3, anisotropy=0.6, multiscatter=True),
         ),
-        ("BsdfGlass", {"Color": COLOR, "Roughness": 0.3, "IOR": 1.3}, m.Glass(RGB, 0.3, 1.3, multiscatter=True, loose=True)),
+        (
+            "BsdfGlass",
+            {"Color": COLOR, "Roughness": 0.3, "IOR": 1.3},
+            m.Glass(RGB, 0.3, 1.3, multiscatter=True, loose=True),
+        ),
         ("BsdfRefraction", {"Color": COLOR, "Roughness": 0.3, "IOR": 1.3}, m.Refraction(RGB, 0.3, 1.3, loose=True)),
         ("Emission", {"Color": COLOR, "Strength": 7.0}, m.Emission(RGB, 7.0)),
         ("Background", {"Color": COLOR, "Strength": 7.0}, m.Emission(RGB, 7.0)),
