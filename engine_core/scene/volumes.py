@@ -191,7 +191,7 @@ class _Flattening:
         if c.blackbody_intensity > 0.0:
             kelvins = max(c.temperature, 0.0)
             power = STEFAN_BOLTZMANN * (1.0 + (kelvins**4 - 1.0) * c.blackbody_intensity)
-            glow = np.maximum(np.array(list(blackbody(np.float32(kelvins)))), 0.0)
+            glow = np.array(list(blackbody(np.float32(kelvins))))  # below 1900 K of negative blue, as in Cycles
             self.medium.emission += self._color("blackbody tint", c.blackbody_tint) * glow * max(power, 0.0) * weight
 
 
