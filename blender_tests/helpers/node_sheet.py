@@ -19,6 +19,7 @@ from .small_blend import enable_cycles, render
 
 CELL = 12  # pixels of a square's cell
 MARGIN = 2  # pixels at the border of a cell that are not compared
+FILTER_CELLS = 1024  # of Cycles' table, over a pixel: its first sample is half a cell beside the middle
 TILT = (0.5, -0.35, 0.1)  # of the squares, so that no coordinate is the same all over one
 
 
@@ -80,6 +81,8 @@ def compared(cases, frame=1):
         enable_cycles()
         set_up_cycles(scene, samples=1)
         scene.cycles.pixel_filter_type, scene.cycles.filter_width = "BOX", 0.01
+        aside = 0.5 / FILTER_CELLS / max(scene.render.resolution_x, scene.render.resolution_y)
+        scene.camera.data.shift_x = scene.camera.data.shift_y = -aside
         theirs = render(Path(folder, "cycles.exr"), scene)
     columns = math.ceil(math.sqrt(len(cases)))
     cells = {}

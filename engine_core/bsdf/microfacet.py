@@ -47,10 +47,9 @@ def distribution(lobe, h):
     if lobe.facets == Facets.BECKMANN:
         return beckmann.distribution(lobe, h)
     both = lobe.alpha_x * lobe.alpha_y
-    one = 1.0 / both
-    x, y = h.x * lobe.alpha_y * one, h.y * lobe.alpha_x * one  # h squeezed by the widths, which may be tiny
-    r2 = x * x + y * y + h.z * h.z
-    return INV_PI * one / (r2 * r2)
+    x, y, z = h.x * lobe.alpha_y, h.y * lobe.alpha_x, h.z * both
+    t = both / (x * x + y * y + z * z)  # of h squeezed by the widths, times their product: no power of it underflows
+    return INV_PI * both * t * t
 
 
 # ---- Visible normals -------------------------------------------------------------------------------------------------

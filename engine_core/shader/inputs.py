@@ -4,7 +4,6 @@
 import numpy as np
 
 from ..jit import kernel
-from ..linalg.frame import frame_from_normal
 from ..linalg.registers import store_float
 from ..linalg.transform import transform_normal, transform_point, transform_vector
 from ..linalg.vec3 import BLACK, Vec3, cross, dot, length, load3, load3_at, reflect
@@ -15,7 +14,7 @@ from ..shape import strand
 from ..tables import CameraKind, ShapeKind, TreeKind, Visibility
 from .opcodes import InputNumber, InputVector, Op
 from .operands import give_number, give_vector
-from .point import WORLD
+from .point import WORLD, surface_tangents
 
 ZERO, ONE = np.float32(0.0), np.float32(1.0)
 
@@ -218,7 +217,7 @@ def place(point, shift):
     p = load3(point, "p")
     if shift == 0:
         return p
-    s, t = frame_from_normal(load3(point, "ng"))
+    s, t = surface_tangents(load3(point, "ng"))
     return p + (s if shift == 1 else t) * point.footprint
 
 

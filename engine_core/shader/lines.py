@@ -8,7 +8,7 @@ import numpy as np
 from ..jit import kernel
 from ..linalg.registers import store_float
 from ..linalg.transform import transform_point, transform_vector
-from ..linalg.vec3 import BLACK, Vec3, cross, dot, length, load3, load3_at, normalize
+from ..linalg.vec3 import BLACK, Vec3, cross, dot, length, load3, load3_at
 from ..motion import instance_at, new_instance
 from ..tables import ShapeKind, TreeKind
 from ..texture.hash import TO_UNIT_FLOAT, hash2
@@ -16,6 +16,7 @@ from ..texture.radial_tiling import radial_tiling
 from .inputs import place
 from .opcodes import Op
 from .operands import give_both, give_number, give_vector, number, vector
+from .point import surface_tangents
 
 ZERO, ONE = np.float32(0.0), np.float32(1.0)
 FOOTPRINTS = np.float32(5.0)  # that half of a pixel has
@@ -68,11 +69,7 @@ def distance_squared(p, a, b):
 def pixel_across(point):
     """Half the size of a pixel across the view, as Cycles takes it: of two directions along the surface the mean."""
     n, wo = load3(point, "ng"), load3(point, "wo")
-    # the tangents that Cycles takes, which have their say in this
-    s = normalize(Vec3(n.z - n.y, n.x - n.z, n.y - n.x))
-    if n.x == n.y and n.x == n.z:
-        s = normalize(Vec3(n.z - n.y, n.x + n.z, -n.y - n.x))
-    t = cross(n, s)
+    s, t = surface_tangents(n)
     return FOOTPRINTS * point.footprint * (length(s - wo * dot(s, wo)) + length(t - wo * dot(t, wo)))
 
 

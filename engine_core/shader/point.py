@@ -8,7 +8,7 @@ import numpy as np
 from ..jit import kernel
 from ..linalg.records import scratch_record
 from ..linalg.transform import transform_normal, transform_vector
-from ..linalg.vec3 import dot, load3, normalize, store3
+from ..linalg.vec3 import Vec3, cross, dot, load3, normalize, store3
 from ..program_tables import POINT
 from ..shape.interaction import texture_coordinates
 from ..tables import LightKind
@@ -90,3 +90,13 @@ def set_world(point, d, visibility):
     store3(point, "ng", -d)
     store3(point, "ns", -d)
     store3(point, "wo", -d)
+
+
+@kernel
+def surface_tangents(n):
+    """Two unit vectors at right angles to `n` and each other: those that Cycles takes, which have their say in how long
+    a step along the surface is seen, and in slopes of what is curved."""
+    s = normalize(Vec3(n.z - n.y, n.x - n.z, n.y - n.x))
+    if n.x == n.y and n.x == n.z:
+        s = normalize(Vec3(n.z - n.y, n.x + n.z, -n.y - n.x))
+    return s, cross(n, s)

@@ -6,7 +6,6 @@ import math
 import numpy as np
 
 from ..jit import kernel
-from ..linalg.frame import frame_from_normal
 from ..linalg.transform import transform_normal, transform_point, transform_vector
 from ..linalg.vec3 import BLACK, Vec3, cross, dot, is_black, load3, load3_at
 from ..linalg.vector_math import mapping, rotate, safe_normalize
@@ -14,6 +13,7 @@ from ..motion import instance_at, new_instance
 from ..tables import TreeKind
 from .opcodes import CLAMPED, INVERTED, NormalSpace, Op, Space
 from .operands import give_number, give_vector, number, vector
+from .point import surface_tangents
 
 ONE = np.float32(1.0)
 
@@ -95,7 +95,7 @@ def bump(op, point, registers):
         distance = -distance
     if point.backfacing:
         distance = -distance
-    s, t = frame_from_normal(load3(point, "ng"))
+    s, t = surface_tangents(load3(point, "ng"))
     ds, dt = s * point.footprint, t * point.footprint
     rs, rt = cross(dt, n), cross(n, ds)
     det = dot(ds, rs)
