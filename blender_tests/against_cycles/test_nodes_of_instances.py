@@ -122,10 +122,15 @@ def as_a_drum(where, b_material):
     uvs = drum.data.uv_layers.active.uv
     for number, corner in enumerate(uvs):
         corner.vector += Vector((0.07 * (number % 5), 0.11 * (number % 3)))
-    drum.rotation_euler, drum.scale = (0.7, 0.4, 0.2), (1.2, 0.8, 1.0)
+    drum.rotation_euler = (0.7, 0.4, 0.2)
     for polygon in drum.data.polygons:
         polygon.use_smooth = polygon.index % 3 > 0
     drum.data.materials.append(b_material)
+
+
+def as_a_stretched_drum(where, b_material):
+    as_a_drum(where, b_material)
+    bpy.context.object.scale = (1.2, 0.8, 1.0)
 
 
 INSTANCER = {"attribute_type": "INSTANCER"}
@@ -155,7 +160,7 @@ CASES = {
     "radius of points": (as_points, ("Radius", "PointInfo", 3.0), {}),
     "random of points": (as_points, ("Random", "PointInfo"), {}),
     "tangents": (as_a_drum, ("Tangent", "Tangent", 0.5, 0.5), {"direction_type": "UV_MAP"}),
-    "normal map": (as_a_drum, ("Normal", "NormalMap", 0.5, 0.5), {"inputs": {"Color": (0.8, 0.6, 0.9, 1.0)}}),
+    "normal map": (as_a_stretched_drum, ("Normal", "NormalMap", 0.5, 0.5), {"inputs": {"Color": (0.8, 0.6, 0.9, 1.0)}}),
     "pointiness": (as_a_rough_ball, ("Pointiness", "NewGeometry"), {}),
 }
 COLUMNS = 6
