@@ -33,7 +33,7 @@ def test_the_integrators_agree(name):
     others = [mixture] if name in FOUND_BY_SAMPLING_ALONE else [mixture, brute_force]
     for other in others:
         error = np.hypot(path.std(ddof=1), other.std(ddof=1)) / SEEDS**0.5
-        assert error < 0.03 * path.mean()
+        assert error < 0.05 * path.mean()
         same = abs(path.mean() - other.mean()) < 1e-5 * path.mean()  # without noise
         assert same or ttest_ind(path, other, equal_var=False).pvalue > 1e-5
 

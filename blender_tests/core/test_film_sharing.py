@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from blender_tests.helpers.scenes import builder, plane, settings, sphere
+from blender_tests.helpers.scenes import builder, plane, quad, settings, sphere
 from engine_core.film import sharing
 from engine_core.film.filter import REACH, blackman_harris, gaussian
 from engine_core.film.passes import image, make_film, pixels
@@ -164,3 +164,27 @@ def test_pixels_keep_their_own_samples(scene):
     render = rendered(scene, samples=16)
     own = pixels(render.film)["radiance"] / 16.0
     assert own.mean() == pytest.approx(render.image("Combined")[..., :3].mean(), rel=0.01)
+
+
+def floor_below_a_lamp():
+    b = builder(eye=(0, -3, 3), target=(0, 0, 0))
+    plane(b, Diffuse((0.8, 0.8, 0.8)), half=30.0)
+    quad(b, Emission((20, 20, 20)), np.diag([1.0, -1.0, -1.0, 1.0]) + np.outer([0, 0, 4, 0], [0, 0, 0, 1]))
+    return b.build()
+
+
+def test_where_light_is_even_samples_count_for_one_pixel_each():
+    """Well spread samples leave next to no noise there, which is lost where the filter's weights vary with them, too.
+
+    After eight samples the picture is begun anew; meanwhile it shows what there was.
+    """
+    scene = floor_below_a_lamp()
+    shared, apart = (rendered(scene, samples=64, share_samples=share) for share in (1, 0))
+    assert shared.settings.share_samples == 0
+    np.testing.assert_array_equal(shared.image("Combined"), apart.image("Combined"))
+    few = rendered(scene, samples=8)
+    assert few.settings.share_samples == 1
+
+
+def test_where_light_is_noisy_samples_are_shared_to_the_end(scene):
+    assert rendered(scene, samples=64).settings.share_samples == 1

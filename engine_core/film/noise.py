@@ -38,7 +38,8 @@ class Noise:
         self._spread = np.zeros(shape, np.float32)  # sum of D^2 n (r n): n times the variance of one sample
         self._weight = None  # 1 / (radiance^2 + DARK) of the neighbours
         self._decay = None  # p
-        self._picture, self._kept = None, 1.0  # when last measured; part of the pixels' noise that is in the picture
+        self._picture = None  # when last measured
+        self.kept = 1.0  # part of the noise of pixels' own samples that is in the picture, if they share them
         self._error, self._samples = math.nan, 0.0  # of the picture, and samples of a pixel on average
 
     def update(self, is_steady=True):
@@ -68,14 +69,14 @@ class Noise:
             movement = self._weight * moved
             decay = np.where(movement > threshold(movement), 1.0, self.decay)
             variance = movement / (growth**decay - 1.0) * (self._count / count) ** decay
-            self._error = math.sqrt(self._kept * variance.mean(dtype=np.float64))
+            self._error = math.sqrt(self.kept * variance.mean(dtype=np.float64))
 
     def _learn_sharing(self, moved):
         """What pixels show where samples count for several moves less than the mean of their own samples: how much?"""
         picture = passes.image(self._film, "Combined")[..., :3].mean(axis=-1)
         if self._picture is not None and moved.any():
             shown = self._weight * (picture - self._picture) ** 2
-            self._kept = float(shown.sum(dtype=np.float64) / (self._weight * moved).sum(dtype=np.float64))
+            self.kept = float(shown.sum(dtype=np.float64) / (self._weight * moved).sum(dtype=np.float64))
         self._picture = picture
 
     def _learn_decay(self, doubled_twice, moved):

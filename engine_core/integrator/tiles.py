@@ -35,6 +35,7 @@ TILE_SIZE = 64
 FEW_TILES = 64  # with fewer, smaller ones are made: at the end of a pass no thread shall wait for long
 LARGEST_JOB = 64  # samples of a pixel; more would not be shown for a long time
 LARGEST_BATCH = 8  # samples of a pixel in one call of the kernel, which cannot be interrupted within a row
+SHARING_IS_JUDGED = 8  # samples of a pixel after which it is known whether pixels should share theirs
 LEAST_PASS = 1.125  # times the samples so far: what a pass has at least
 
 
@@ -62,8 +63,7 @@ class Render:
         self.guide = make_guide(scene, self.settings)
         if self.guide is not None:
             self.scene = self.guide.scene
-        lessons = self.guide and self.guide.lessons
-        self.film = passes.make_film(settings.crop_width, settings.crop_height, lessons, shares != 0)
+        self.film, self._earlier_film = self._empty_film(), None
         self.threads = threads if threads > 0 else available_processors()
         self.time_limit = time_limit
         self.tiles = make_tiles(settings.crop_width, settings.crop_height)
@@ -92,8 +92,8 @@ class Render:
 
     def cancel(self):
         """Tell the kernels to stop at their next row of pixels. Returns at once; `wait` waits for them."""
-        self.film.control["cancel"] = 1
         with self._changed:
+            self.film.control["cancel"] = 1
             self._changed.notify_all()
 
     def wait(self):
@@ -175,9 +175,13 @@ class Render:
 
     def image(self, name, tile=None):
         """The pass `name` as float32 (height, width, channels), bottom row first; of a tile, or of the whole film."""
-        return passes.image(self.film, name, tile)
+        return passes.image(self._earlier_film or self.film, name, tile)
 
     # ---- Passes ----
+
+    def _empty_film(self):
+        settings, lessons = self.settings, self.guide and self.guide.lessons
+        return passes.make_film(settings.crop_width, settings.crop_height, lessons, settings.share_samples != 0)
 
     def _next_pass(self):
         """All threads have finished a pass: begin the next, if there is one."""
@@ -188,11 +192,30 @@ class Render:
         if (samples >= self._goal).all():
             self._done = self._budget
             self._first_pass_s = self._first_pass_s or self.elapsed_s  # it may have compiled kernels
-            self._budget, self._goal = self._next_goal(samples)
-        targets = np.minimum(self._goal, 2 * samples)  # how far pixels move in a doubling is what tells the error
+            if self._done >= SHARING_IS_JUDGED:
+                self._earlier_film = None
+            if self._done == SHARING_IS_JUDGED and self.noise.kept > 1.0 and self._expected_end() >= 2 * self._done:
+                self._begin_anew_apart()
+                samples = passes.pixels(self.film)["samples"]
+            self._budget, self._goal = self._next_goal(samples) if self._done else (1, 1)
+        targets = np.minimum(
+            self._goal, np.maximum(2 * samples, 1)
+        )  # how far pixels move in a doubling is what tells the error
         with self._changed:
             self._begin_pass(targets)
             self._changed.notify_all()
+
+    def _begin_anew_apart(self):
+        """Let samples count for one pixel each from the first on: light is so even that they leave less noise so.
+
+        The picture so far is shown until there is one as good.
+        """
+        with self._changed:
+            self.settings = self.settings._replace(share_samples=0)
+            film = self._empty_film()
+            film.control["cancel"] = self.film.control["cancel"]
+            self.film, self._earlier_film, self.noise = film, self.film, Noise(film)
+            self._pixel_samples = self._done = 0
 
     def _next_goal(self, samples):
         """(samples of a pixel on average, samples of each pixel: a number or an array) to reach; as now at the end.
