@@ -133,6 +133,7 @@ class Visibility(IntFlag):
 
 
 BOUNDARY_SHIFT = 6  # where a medium's boundary is no surface, its Visibility is higher by so many bits, see accel/
+PLAIN_SHIFT = 12  # in scenes with media, objects that hold none have their Visibility once more, so many bits higher
 
 
 class MaterialFlag(IntFlag):
@@ -147,6 +148,7 @@ class MaterialFlag(IntFlag):
     PANE = 256  # may have a smooth thin wall, which shadow rays pass as if it were transparent
     HAIR = 512  # has lobes of FIBRES, whose frames lie along strands
     HOLDOUT = 1024  # leaves the picture empty where the camera sees it
+    FILLED = 2048  # there is a medium inside
 
 
 # ---- Geometry --------------------------------------------------------------------------------------------------------

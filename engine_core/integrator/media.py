@@ -24,15 +24,17 @@ from ..medium.dispatch import gather_phases
 from ..medium_tables import MEDIA, PHASES
 from ..sampling.sobol import sample_1d, sample_2d
 from ..shape.interaction import Interaction, make_interaction
-from ..tables import BOUNDARY_SHIFT, MaterialFlag, TreeKind, Visibility
+from ..tables import BOUNDARY_SHIFT, PLAIN_SHIFT, MaterialFlag, TreeKind, Visibility
 from . import direct, mixture, path, phases, uniform, walk
 from .direct import transparency
+from .touching import find_touching, new_touching
 from .walk import ABOVE, CAMERA, FAR, ZERO, dimension_of, gather, gather_direct, limit_of_found, survives
 
 FLIGHTS = 1 << 16  # dimensions of a sample from here on are for how far it goes in media
 MOST_CROSSINGS = 1024  # of boundaries, before a path is given up
 MOST_PROBED = 128  # surfaces, or boundaries, above the camera that are asked whether it is inside
 UP = Vec3(0.0, 0.0, 1.0)
+ABOVE_US = CAMERA  # who sees what we look up to
 NONE = np.int32(-1)
 NO_TREE, NO_PRIM = int(TreeKind.TRIANGLES), -1  # as a Hit holds them
 ONE = np.float32(1.0)
@@ -86,37 +88,42 @@ def look_up(scene, media, o, time):
 
     By those that have a surface. A box may reach to the ceiling, and only one of them would be met.
     """
-    entered = new_media()
+    entered, found = new_media(), new_touching()
     entered.count = 0
     for _ in range(MOST_PROBED):
         hit = surface_above(scene, o, time)
         if hit.prim < 0:
             return
         it = make_interaction(scene, hit, o, UP, time)
-        medium = scene.materials[it.material].medium
-        if medium >= 0:
-            if not it.backfacing:
-                inside.cross(scene, entered, it.instance, medium, False)
-            elif not inside.contains(entered, it.instance, medium):
-                inside.cross(scene, media, it.instance, medium, False)
+        find_touching(scene, it, ABOVE_US, found)
+        for i in range(found.count):
+            instance, medium = found.instance[i], found.medium[i]
+            if found.leaves[i] == 0:
+                inside.cross(scene, entered, instance, medium, False)
+            elif not inside.contains(entered, instance, medium):
+                inside.cross(scene, media, instance, medium, False)
         o = offset_ray_origin(it.p, -it.ng)
 
 
-look_up_among_boundaries = in_media(look_up, "among_boundaries", surface_above=boundary_above)
+look_up_among_boundaries = in_media(
+    look_up, "among_boundaries", surface_above=boundary_above, ABOVE_US=CAMERA << BOUNDARY_SHIFT
+)
 
 
 @kernel
-def go_through(scene, media, it):
-    medium = scene.materials[it.material].medium
-    if medium >= 0:
-        inside.cross(scene, media, it.instance, medium, it.backfacing)
+def go_through(scene, media, it, visibility):
+    """Cross what is at `it`, and all other boundaries that lie there."""
+    found = new_touching()
+    find_touching(scene, it, visibility | visibility << BOUNDARY_SHIFT, found)
+    for i in range(found.count):
+        inside.cross(scene, media, found.instance[i], found.medium[i], found.leaves[i] != 0)
 
 
 @kernel
 def is_no_surface(scene, path, it):
     if not scene.materials[it.material].flags & MaterialFlag.BOUNDARY.value:
         return False
-    go_through(scene, path.media, it)
+    go_through(scene, path.media, it, path.visibility)
     path.media.crossings += 1
     path.distance += path.t
     path.t_max = path.t_max - path.t if path.media.crossings < MOST_CROSSINGS else ZERO
@@ -141,15 +148,17 @@ def intersect_all(scene, o, d, t_max, visibility, time):
 
 @kernel
 def is_boundary(scene, hit):
-    return hit.instance >= 0 and scene.instances[hit.instance].visibility >> BOUNDARY_SHIFT != 0
+    visibility = scene.instances[hit.instance].visibility if hit.instance >= 0 else 0
+    return (visibility >> BOUNDARY_SHIFT) & Visibility.ALL.value != 0
 
 
 @kernel
 def surface_at(scene, it, t, visibility, time):
-    """The surface that lies in one place with the boundary at `it`, a Hit at `t`.
+    """The surface that lies in one place with what is at `it`, a Hit at `t`.
 
-    A box of smoke may stand on a floor. A path that goes through the box' bottom is moved off it, and would then be
-    below the floor. Where the floor is met instead, it is scattered while it still is in the smoke.
+    A box of smoke, or a block of glass that is coloured inside, may stand on a floor. A path that goes through its
+    bottom is moved off it, and would then be below the floor. Where the floor is met instead, it is scattered while it
+    still is in the box.
     """
     before, behind = offset_ray_origin(it.p, it.ng), offset_ray_origin(it.p, -it.ng)
     surface = intersect_closest(scene, before, behind - before, ONE, visibility, time)
@@ -157,14 +166,27 @@ def surface_at(scene, it, t, visibility, time):
 
 
 @kernel
+def plainest(scene, hit, o, d, visibility, time):
+    """Of the surfaces that lie where the ray hit one, that of something that holds no medium."""
+    if hit.instance < 0 or scene.instances[hit.instance].visibility >> PLAIN_SHIFT != 0:
+        return hit
+    it = make_interaction(scene, hit, o, d, time)
+    plain = surface_at(scene, it, hit.t, visibility << PLAIN_SHIFT, time)
+    return plain if plain.prim >= 0 else hit
+
+
+@kernel
 def arrive(scene, settings, path, hit):
     """As that of `walk`. What is scattered before it never asks which of a surface and a boundary was met."""
-    if path.side == ABOVE and is_boundary(scene, hit):
-        it = make_interaction(scene, hit, load3(path, "o"), load3(path, "d"), path.time)
-        surface = surface_at(scene, it, hit.t, path.visibility, path.time)
-        if surface.prim < 0:
-            return it
-        hit = surface
+    if path.side == ABOVE:
+        o, d = load3(path, "o"), load3(path, "d")
+        if is_boundary(scene, hit):
+            it = make_interaction(scene, hit, o, d, path.time)
+            surface = surface_at(scene, it, hit.t, path.visibility, path.time)
+            if surface.prim < 0:
+                return it
+            hit = surface
+        hit = plainest(scene, hit, o, d, path.visibility, path.time)
     return walk.arrive(scene, settings, path, hit)
 
 
@@ -232,7 +254,7 @@ def shadow_transmittance(scene, settings, path, it, o, d, t_max):
     media = new_media()
     copy_record(media, path.media)
     if dot(d, it.ng) < 0.0:
-        go_through(scene, media, it)
+        go_through(scene, media, it, Visibility.SHADOW.value)
     metres = length(d)
     clear, passed = WHITE, 0
     for _ in range(MOST_CROSSINGS):
@@ -242,11 +264,12 @@ def shadow_transmittance(scene, settings, path, it, o, d, t_max):
         if hit.prim < 0:
             return clear
         at = make_interaction(scene, hit, o, d, path.time)
+        surface = hit
         if is_boundary(scene, hit):
             surface = surface_at(scene, at, hit.t, Visibility.SHADOW.value, path.time)
-            if surface.prim >= 0:
-                hit = surface
-                at = make_interaction(scene, hit, o, d, path.time)
+        if surface.prim >= 0:
+            hit = plainest(scene, surface, o, d, Visibility.SHADOW.value, path.time)
+            at = make_interaction(scene, hit, o, d, path.time)
         if not scene.materials[at.material].flags & MaterialFlag.BOUNDARY.value:
             passed += 1
             clear = clear * transparency(scene, at, hit, d)
@@ -254,7 +277,7 @@ def shadow_transmittance(scene, settings, path, it, o, d, t_max):
                 return BLACK
         if is_black(clear):
             return BLACK
-        go_through(scene, media, at)
+        go_through(scene, media, at, Visibility.SHADOW.value)
         o = offset_ray_origin(at.p, -at.ng)
         t_max -= hit.t
     return BLACK

@@ -33,5 +33,5 @@ def is_no_surface(scene, walk, it):
 
 
 @kernel
-def go_through(scene, media, it):
+def go_through(scene, media, it, visibility):
     """Tell the media of a path that it goes through the surface at `it`."""

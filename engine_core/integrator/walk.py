@@ -293,7 +293,7 @@ def follow(scene, settings, walk, it, s, pdf):
     store3(walk, "o", offset_ray_origin(it.p, it.ng if dot(s.wi, it.ng) > 0.0 else -it.ng))
     store3(walk, "d", s.wi)
     if dot(s.wi, it.ng) < 0.0 and s.kind != LobeKind.SUBSURFACE:
-        go_through(scene, walk.media, it)
+        go_through(scene, walk.media, it, walk.visibility)
     return True
 
 

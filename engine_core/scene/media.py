@@ -5,14 +5,14 @@ import numpy as np
 
 from ..medium_tables import MAX_PHASES, MEDIUM, PHASE
 from ..shape.dispatch import bounds
-from ..tables import BOUNDARY_SHIFT, CameraKind
-from .shading import has_no_surface
+from ..tables import BOUNDARY_SHIFT, PLAIN_SHIFT, CameraKind
+from .shading import has_no_surface, holds_media
 from .shapes import Shapes
 
 
 class MediaTables:
-    """Rows of MEDIUM and PHASE; sets `medium` in the rows of MATERIAL of `builder`, what WORLD says of media, and who
-    sees those of INSTANCE that have no surface.
+    """Rows of MEDIUM and PHASE; sets `medium` in the rows of MATERIAL of `builder`, what WORLD says of media, and in
+    the rows of INSTANCE which have no surface and which no medium.
 
     `matrices`: of the placements, float64 (n, 3, 4). `instances`: their rows, and after them those of lamps.
     """
@@ -23,17 +23,20 @@ class MediaTables:
         materials["medium"] = [self._add(material.name, material.medium) for material in builder.materials]
         self.world_medium = self._add("World", builder.world_medium)
         bare = np.array([has_no_surface(materials, p.materials) for p in placements], bool)
-        self._fill_world(world, placements, matrices, bare)
+        holders = np.array([holds_media(materials, p.materials) for p in placements], bool)
+        self._fill_world(world, placements, matrices, holders, bare)
         instances["visibility"][np.flatnonzero(bare)] <<= BOUNDARY_SHIFT
+        if world["has_media"]:
+            plain = np.flatnonzero(~bare & ~holders)
+            instances["visibility"][plain] |= instances["visibility"][plain] << PLAIN_SHIFT
 
     def tables(self):
         phases = np.array(self.phases, PHASE) if self.phases else np.zeros(0, PHASE)
         return {"media": np.array(self._media, MEDIUM), "phases": phases}
 
-    def _fill_world(self, world, placements, matrices, bare):
-        holders = [bool((self.materials["medium"][list(p.materials)] >= 0).any()) for p in placements]
+    def _fill_world(self, world, placements, matrices, holders, bare):
         world["medium"] = self.world_medium
-        world["has_media"] = self.world_medium >= 0 or any(holders)
+        world["has_media"] = self.world_medium >= 0 or bool(holders.any())
         about = zip(holders, placements, matrices, strict=True)
         around = np.array([holds and self._may_hold_camera(*place) for holds, *place in about], bool)
         world["camera_in_media"] = bool((around & ~bare).any())

@@ -58,6 +58,7 @@ class Shading:
     def _material(self, row, material, surface):
         """Fill a row of MATERIAL; returns its lobes, none if a program makes them."""
         row["flags"] = MaterialFlag.BOUNDARY if material.is_boundary else 0
+        row["flags"] |= MaterialFlag.FILLED if material.medium is not None else 0
         closures = [
             (closure, {field: self.programs.constant(value) for field, value in varying.items()})
             for closure, varying in surface.closures
@@ -172,10 +173,15 @@ def has_no_surface(materials, numbers):
     return len(numbers) > 0 and bool((materials["flags"][list(numbers)] & MaterialFlag.BOUNDARY).all())
 
 
+def holds_media(materials, numbers):
+    """Whether there is a medium inside an object of these materials."""
+    return bool((materials["flags"][list(numbers)] & MaterialFlag.FILLED).any())
+
+
 def needs_own_tree(materials, numbers):
     """Whether an object of these materials keeps its tree though it stands in the world once: some rays ask no other,
-    and those that look for surfaces pass by objects that have none."""
-    return asks_itself(materials, numbers) or has_no_surface(materials, numbers)
+    and those that look for surfaces pass by objects that have none, or hold media."""
+    return asks_itself(materials, numbers) or has_no_surface(materials, numbers) or holds_media(materials, numbers)
 
 
 def _may_be_clear(closure, varying):
