@@ -153,40 +153,47 @@ def is_boundary(scene, hit):
 
 
 @kernel
-def surface_at(scene, it, t, visibility, time):
-    """The surface that lies in one place with what is at `it`, a Hit at `t`.
+def is_plain(scene, hit):
+    """Whether it is a surface of something that holds no medium."""
+    return hit.instance < 0 or scene.instances[hit.instance].visibility >> PLAIN_SHIFT != 0
+
+
+@kernel
+def met_instead(scene, it, hit, visibility, time):
+    """What else lies at `it`, where the Hit is, and is met before that: rather a surface than a boundary, and rather
+    that of something that holds no medium. A Hit without a prim if there is nothing.
 
     A box of smoke, or a block of glass that is coloured inside, may stand on a floor. A path that goes through its
     bottom is moved off it, and would then be below the floor. Where the floor is met instead, it is scattered while it
     still is in the box.
     """
+    wanted = visibility if is_boundary(scene, hit) else visibility << PLAIN_SHIFT
+    found = surface_at(scene, it, hit.t, wanted, time)
+    if found.prim >= 0 and not is_plain(scene, found):
+        plain = surface_at(scene, it, hit.t, visibility << PLAIN_SHIFT, time)
+        if plain.prim >= 0:
+            return plain
+    return found
+
+
+@kernel
+def surface_at(scene, it, t, visibility, time):
+    """The surface that lies in one place with what is at `it`, a Hit at `t`."""
     before, behind = offset_ray_origin(it.p, it.ng), offset_ray_origin(it.p, -it.ng)
     surface = intersect_closest(scene, before, behind - before, ONE, visibility, time)
     return Hit(t, surface.kind, surface.prim, surface.instance, surface.b1, surface.b2)
 
 
 @kernel
-def plainest(scene, hit, o, d, visibility, time):
-    """Of the surfaces that lie where the ray hit one, that of something that holds no medium."""
-    if hit.instance < 0 or scene.instances[hit.instance].visibility >> PLAIN_SHIFT != 0:
-        return hit
-    it = make_interaction(scene, hit, o, d, time)
-    plain = surface_at(scene, it, hit.t, visibility << PLAIN_SHIFT, time)
-    return plain if plain.prim >= 0 else hit
-
-
-@kernel
 def arrive(scene, settings, path, hit):
-    """As that of `walk`. What is scattered before it never asks which of a surface and a boundary was met."""
-    if path.side == ABOVE:
-        o, d = load3(path, "o"), load3(path, "d")
-        if is_boundary(scene, hit):
-            it = make_interaction(scene, hit, o, d, path.time)
-            surface = surface_at(scene, it, hit.t, path.visibility, path.time)
-            if surface.prim < 0:
-                return it
-            hit = surface
-        hit = plainest(scene, hit, o, d, path.visibility, path.time)
+    """As that of `walk`. What is scattered before it never asks which of several things in one place was met."""
+    if path.side == ABOVE and not is_plain(scene, hit):
+        it = make_interaction(scene, hit, load3(path, "o"), load3(path, "d"), path.time)
+        other = met_instead(scene, it, hit, path.visibility, path.time)
+        if other.prim >= 0:
+            hit = other
+        elif is_boundary(scene, hit):
+            return it
     return walk.arrive(scene, settings, path, hit)
 
 
@@ -264,12 +271,11 @@ def shadow_transmittance(scene, settings, path, it, o, d, t_max):
         if hit.prim < 0:
             return clear
         at = make_interaction(scene, hit, o, d, path.time)
-        surface = hit
-        if is_boundary(scene, hit):
-            surface = surface_at(scene, at, hit.t, Visibility.SHADOW.value, path.time)
-        if surface.prim >= 0:
-            hit = plainest(scene, surface, o, d, Visibility.SHADOW.value, path.time)
-            at = make_interaction(scene, hit, o, d, path.time)
+        if not is_plain(scene, hit):
+            other = met_instead(scene, at, hit, Visibility.SHADOW.value, path.time)
+            if other.prim >= 0:
+                hit = other
+                at = make_interaction(scene, hit, o, d, path.time)
         if not scene.materials[at.material].flags & MaterialFlag.BOUNDARY.value:
             passed += 1
             clear = clear * transparency(scene, at, hit, d)
