@@ -16,7 +16,7 @@ from rich.console import Console
 from blender_tests.helpers.engines import open_for_both, render
 
 from .compare import mean
-from .gallery_worlds import BOOKS, FIGURES, WORLDS
+from .gallery_worlds import BOOKS, FIGURES, SHADERS, WORLDS
 from .quiet import leave, progress_bar, quiet_blender
 from .sheet import flip, shown
 
@@ -93,7 +93,7 @@ def save(path, picture):
 # ---- The page --------------------------------------------------------------------------------------------------------
 
 
-def page(measured, groups=(("The paper", FIGURES), ("The books", BOOKS))):
+def page(measured, groups=(("The paper", FIGURES), ("The books", BOOKS), ("Shaders", SHADERS))):
     """Markdown with the worlds that were rendered, in the paper's order."""
     parts = [HEAD]
     for title, worlds in groups:

@@ -158,4 +158,12 @@ BOOKS = (
         "spot below it, and has fewer rays left for the walls than Cycles.",
     ),
 )
-WORLDS = FIGURES + BOOKS
+SHADERS = (
+    World(
+        "What shader nodes do",
+        "materials",
+        "A field of balls, each of one shader. Rows from the front: matt and layered, metals, what lets light through, "
+        "and shaders that are mixed or bent.",
+    ),
+)
+WORLDS = FIGURES + BOOKS + SHADERS
