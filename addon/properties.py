@@ -161,7 +161,8 @@ class LambentSceneSettings(bpy.types.PropertyGroup):
         default=True,
         description="Let a sample count for all pixels whose filter reaches it, not for the nearest alone: half the "
         "error, as fine noise is smoothed away. Done with filters from 1.25 to 1.5 pixels wide, and not where there "
-        "is Denoising Data or a Denoise node, as denoisers want each pixel's noise to be its own",
+        "is Denoising Data or a Denoise node, as denoisers want each pixel's noise to be its own, nor where the first "
+        "eight samples show less noise without it",
     )
 
 

@@ -5,8 +5,7 @@ import bpy
 import numpy as np
 import pytest
 
-from blender_tests.helpers.cycles import cycles_picture
-from blender_tests.helpers.engines import open_for_both, render_with
+from blender_tests.helpers.engines import cells_in_both
 from blender_tests.helpers.exported import add, empty_scene
 from blender_tests.helpers.shader_nodes import socket
 
@@ -68,15 +67,7 @@ def material(name, method, kind, space):
 @pytest.fixture(scope="module")
 def pictures():
     """(ours, theirs) by ball."""
-    size = (COLUMNS * CELL, ROWS * CELL)
-    scene = open_for_both(balls, size)
-    ours, theirs = render_with("LAMBENT", scene, 1)[0], cycles_picture(balls, 1, size)
-    cells = {}
-    for number, name in enumerate(BALLS):
-        row, column = divmod(number, COLUMNS)
-        part = np.s_[CELL * row : CELL * (row + 1), CELL * column : CELL * (column + 1), :3]
-        cells[name] = ours[part], theirs[part]
-    return cells
+    return cells_in_both(balls, BALLS, COLUMNS, CELL)
 
 
 @pytest.mark.parametrize("name", BALLS)

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from mathutils import Vector
 
-from blender_tests.helpers.cycles import cycles_picture
-from blender_tests.helpers.engines import open_for_both, render_with
+from blender_tests.helpers.engines import cells_in_both
 from blender_tests.helpers.exported import add, empty_scene, square
 from blender_tests.helpers.node_sheet import add as add_node
 
@@ -184,15 +183,7 @@ def instancers():
 @pytest.fixture(scope="module")
 def pictures():
     """(ours, theirs) by case."""
-    size = (COLUMNS * CELL, ROWS * CELL)
-    scene = open_for_both(instancers, size)
-    ours, theirs = render_with("LAMBENT", scene, 1)[0], cycles_picture(instancers, 1, size)
-    cells = {}
-    for number, name in enumerate(CASES):
-        row, column = divmod(number, COLUMNS)
-        part = np.s_[CELL * row : CELL * (row + 1), CELL * column : CELL * (column + 1), :3]
-        cells[name] = ours[part], theirs[part]
-    return cells
+    return cells_in_both(instancers, CASES, COLUMNS, CELL)
 
 
 @pytest.mark.parametrize("name", CASES)

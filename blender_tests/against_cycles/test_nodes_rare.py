@@ -8,7 +8,7 @@ import pytest
 from blender_tests.helpers.engines import open_for_both, render_with
 from blender_tests.helpers.exported import add as add_object
 from blender_tests.helpers.exported import empty_scene, square
-from blender_tests.helpers.node_sheet import add, compared, position
+from blender_tests.helpers.node_sheet import add, assert_same, compared, position
 
 CASES = {}
 TOLERANCE = 1e-3  # of the value, or where that is below 1 of 1
@@ -67,10 +67,7 @@ def pictures():
 
 @pytest.mark.parametrize("name", CASES)
 def test_a_node_gives_what_it_gives_in_cycles(pictures, name):
-    ours, theirs = pictures[name]
-    difference = np.abs(ours - theirs) / np.maximum(np.abs(theirs), 1.0)
-    # where a function jumps, a picture has what is on either side
-    assert np.quantile(difference, 0.95) <= TOLERANCE, f"{difference.max():.2g}"
+    assert_same(pictures[name], TOLERANCE)
 
 
 # ---- Holdouts --------------------------------------------------------------------------------------------------------

@@ -8,8 +8,7 @@ import bpy
 import numpy as np
 import pytest
 
-from blender_tests.helpers.cycles import cycles_picture
-from blender_tests.helpers.engines import open_for_both, render_with
+from blender_tests.helpers.engines import cells_in_both
 from blender_tests.helpers.exported import add, empty_scene, square
 from blender_tests.helpers.node_sheet import add as add_node
 from blender_tests.helpers.node_sheet import named
@@ -123,15 +122,7 @@ def shining(name, build):
 @pytest.fixture(scope="module")
 def pictures():
     """(ours, theirs) by case."""
-    size = (COLUMNS * CELL, ROWS * CELL)
-    scene = open_for_both(groups, size)
-    ours, theirs = render_with("LAMBENT", scene, SAMPLES)[0], cycles_picture(groups, SAMPLES, size)
-    cells = {}
-    for number, name in enumerate(CASES):
-        row, column = divmod(number, COLUMNS)
-        part = np.s_[CELL * row : CELL * (row + 1), CELL * column : CELL * (column + 1), :3]
-        cells[name] = ours[part], theirs[part]
-    return cells
+    return cells_in_both(groups, CASES, COLUMNS, CELL, SAMPLES)
 
 
 def blocks(picture):

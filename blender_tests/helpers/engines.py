@@ -13,7 +13,7 @@ import numpy as np
 
 import addon
 
-from .cycles import load, set_up_cycles
+from .cycles import cycles_picture, load, set_up_cycles
 from .exr import read_exr
 from .small_blend import enable_cycles, save_as_exr
 
@@ -65,6 +65,22 @@ def render_with(engine, scene, samples, seed=0):
     """(picture, seconds on the clock) of the open scene, with samples as Lambent distributes them."""
     rendered = render(engine, scene, samples, seed, adaptive=True)
     return rendered.picture, rendered.seconds
+
+
+def cells_in_both(build, names, columns, cell, samples=1):
+    """{name: (Lambent's pixels, Cycles')} of a scene that shows one thing in each square cell, row by row from below.
+
+    `build` makes the scene, of `columns` cells of `cell` x `cell` pixels side by side; pixels are (cell, cell, 3).
+    """
+    size = (columns * cell, -(-len(names) // columns) * cell)
+    scene = open_for_both(build, size)
+    ours, theirs = render_with("LAMBENT", scene, samples)[0], cycles_picture(build, samples, size)
+    cells = {}
+    for number, name in enumerate(names):
+        row, column = divmod(number, columns)
+        part = np.s_[cell * row : cell * (row + 1), cell * column : cell * (column + 1), :3]
+        cells[name] = ours[part], theirs[part]
+    return cells
 
 
 def render(engine, scene, samples=MOST_SAMPLES, seed=0, time_limit=0.0, progress=None, display=None, adaptive=False):

@@ -93,6 +93,14 @@ def compared(cases, frame=1):
     return cells
 
 
+def assert_same(pictures, tolerance):
+    """Hold a node's (ours, theirs) to each other, in relation to numbers above 1."""
+    ours, theirs = pictures
+    difference = np.abs(ours - theirs) / np.maximum(np.abs(theirs), 1.0)
+    # where a function jumps, a picture has what is on either side
+    assert np.quantile(difference, 0.95) <= tolerance, f"{difference.max():.2g}"
+
+
 # ---- Making trees ----
 
 
