@@ -23,7 +23,7 @@ class Context:
     images: dict = field(
         default_factory=dict
     )  # an image's address in Blender, frame, and whether in tiles: what is read of it
-    placed: dict | None = None  # with motion blur, what names an instance: its number in the builder
+    placed: dict | None = None  # with motion blur, what names an instance: numbers of its parts in the builder
 
     value_names: set = field(default_factory=set)  # of values of instances that materials so far ask for
 

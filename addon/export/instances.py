@@ -16,7 +16,7 @@ from .instance_values import InstanceValues
 from .light import aim_of, export_light
 from .material import export_materials
 from .mesh import first_slot, mesh_arrays, point_arrays, without_broken_triangles
-from .motion import deforms, is_blurred, key_of
+from .motion import deforms, hair_deforms, note_placement
 from .shape import read_shape
 
 RAYS = {
@@ -82,8 +82,7 @@ def export_instances(context):
         visibility = int(visibility & source.visibility)
         if source.geometry is None or visibility == 0:
             continue
-        if context.placed is not None and is_blurred(b_source):
-            context.placed[key_of(b_instance)] = len(context.builder.placements)
+        note_placement(context, b_instance, b_source)
         context.builder.instance(
             source.geometry,
             np.array(b_instance.matrix_world[:]),
@@ -183,11 +182,14 @@ def _export_hair(context, b_instance, b_object, hairs, visibility, values):
     key = b_source.as_pointer()
     if key not in hairs:
         grown = read_particle_hair(context, b_object)
+        if grown and context.placed is not None and hair_deforms(b_object):
+            context.warn(b_object.name, "the deformation of its hair is not blurred yet, only its movement")
         hairs[key] = grown, export_materials(context, b_object) if grown else ()
     grown, materials = hairs[key]
     visibility = int(visibility & _visibility(context, b_object))
     for geometry, slot in grown:
         if visibility:
+            note_placement(context, b_instance, b_source)
             context.builder.instance(
                 geometry,
                 np.array(b_instance.matrix_world[:]),

@@ -50,6 +50,17 @@ def deforms(b_object):
     return moved or (keys is not None and keys.animation_data is not None)
 
 
+def hair_deforms(b_object):
+    """Whether the hair of its particle systems may change its shape."""
+    return deforms(b_object) or any(b_system.use_hair_dynamics for b_system in b_object.particle_systems)
+
+
+def note_placement(context, b_instance, b_source):
+    """Remember what the next thing that is placed in the builder belongs to."""
+    if context.placed is not None and is_blurred(b_source):
+        context.placed.setdefault(key_of(b_instance), []).append(len(context.builder.placements))
+
+
 @contextmanager
 def middle_of_exposure(context):
     """Show the scene as it is when the shutter has been open for half of its time; afterwards as it is on the frame."""
@@ -84,8 +95,9 @@ def _export_motion(context, frame):
     builder = context.builder
     if is_blurred(active_camera(context)):
         builder.camera_motion = np.array([camera for camera, _ in moments])
-    for row, number in enumerate(context.placed.values()):
-        builder.placements[number].motion = np.array([matrices[row] for _, matrices in moments])
+    for row, numbers in enumerate(context.placed.values()):
+        for number in numbers:
+            builder.placements[number].motion = np.array([matrices[row] for _, matrices in moments])
     _export_shutter(context)
 
 
@@ -96,9 +108,10 @@ def _camera_matrix(context):
 def _object_matrices(context):
     """Where what was exported stands now, float64 (n, 4, 4); what is not there now, as it was exported."""
     keys = {key: row for row, key in enumerate(context.placed)}
-    matrices = np.array([context.builder.placements[number].to_world for number in context.placed.values()])
+    matrices = np.array([context.builder.placements[numbers[0]].to_world for numbers in context.placed.values()])
     for b_instance in context.depsgraph.object_instances:
-        row = keys.get(key_of(b_instance)) if b_instance.show_self else None
+        is_shown = b_instance.show_self or b_instance.show_particles
+        row = keys.get(key_of(b_instance)) if is_shown else None
         if row is not None:
             matrices[row] = b_instance.matrix_world
     return matrices

@@ -103,3 +103,20 @@ def test_deformation_is_told_to_be_missing():
     bpy.data.objects["Still"].modifiers.new("Rigid", "BEVEL")
     _, warnings, _ = export_as_a_render()
     assert [line.split(":")[0] for line in warnings if "deformation" in line] == ["Moving"]
+
+
+def test_hair_moves_with_what_it_grows_on():
+    moving_scene("CENTER")
+    moving = bpy.data.objects["Moving"]
+    moving.modifiers.new("Hair", "PARTICLE_SYSTEM")
+    moving.particle_systems[0].settings.type = "HAIR"
+    moving.particle_systems[0].settings.count = 3
+    builder, warnings, _ = export_as_a_render()
+    hair, square_itself = (p for p in builder.placements if p.name == "Moving")
+    assert hasattr(builder.geometries[hair.geometry], "strands")
+    np.testing.assert_allclose(hair.motion[:, 0, 3], (4.75, 5.0, 5.25), atol=1e-5)
+    np.testing.assert_array_equal(hair.motion, square_itself.motion)
+    assert warnings == []
+    moving.particle_systems[0].use_hair_dynamics = True
+    _, warnings, _ = export_as_a_render()
+    assert [line.split(":")[0] for line in warnings] == ["Moving"]

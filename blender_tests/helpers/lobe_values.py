@@ -19,16 +19,18 @@ from .cycles import set_up_cycles
 from .small_blend import enable_cycles, render
 
 PIXELS = 3  # along a side of a square; the middle one counts
+MIDDLE, FIRST_TRIANGLE = (1, 1), (0, 2)  # (row, column) of a pixel of these
 NODES = 32  # of the table, along roughness and cosine
 
 
-def cycles_values(closures, cosines, directions):
+def cycles_values(closures, cosines, directions, pixel=MIDDLE):
     """(f |cos|, wo, wi) of shader nodes in Cycles, seen at each cosine and lit from each direction, seen from z.
 
     `closures` are functions that add a node to a tree and return its output. f is (directions, closures, cosines, 3),
-    wo (cosines, 3) and wi (directions, cosines, 3), both in the frame whose x leads towards the viewer.
+    wo (cosines, 3) and wi (directions, cosines, 3), both in the frame whose x leads towards the viewer. The edges of
+    the FIRST_TRIANGLE of each square lead along y, and towards the viewer.
     """
-    (f,) = values_of_engines(closures, cosines, directions, ["CYCLES"])
+    (f,) = values_of_engines(closures, cosines, directions, ["CYCLES"], pixel)
     directions = np.asarray(directions, float)
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
     cos, sin = np.asarray(cosines), np.sqrt(1 - np.square(cosines))
@@ -37,7 +39,7 @@ def cycles_values(closures, cosines, directions):
     return f, np.stack([sin, 0 * cos, cos], axis=1), np.einsum("cij,dj->dci", frame, directions)
 
 
-def values_of_engines(closures, cosines, directions, engines):
+def values_of_engines(closures, cosines, directions, engines, pixel=MIDDLE):
     """f |cos| of shader nodes as each engine renders them, (directions, closures, cosines, 3); see `cycles_values`."""
     scene, sun = _scene(closures, cosines)
     f = [[] for _ in engines]
@@ -47,7 +49,7 @@ def values_of_engines(closures, cosines, directions, engines):
             for d in directions:
                 sun.rotation_euler = Vector(d).to_track_quat("Z", "Y").to_euler()
                 picture = render(Path(folder, "lobes.exr"), scene)
-                own.append(picture[PIXELS // 2 :: PIXELS, PIXELS // 2 :: PIXELS, :3])
+                own.append(picture[pixel[0] :: PIXELS, pixel[1] :: PIXELS, :3])
     return [np.array(own, float) for own in f]
 
 
