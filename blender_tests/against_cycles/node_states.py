@@ -20,8 +20,8 @@ HEAD = """# Shader nodes
 
 What becomes of every shader node of Blender {version} that can be rendered by Cycles or stands in its menus. "full": as
 in Cycles; "partly": all but what is said beside it, which is reported when a material uses it. Nodes that are not
-rendered have a stand-in, and a warning that names material and node. Materials of hair may emit light, but paths find it
-by chance only: strands that are few and bright leave much noise.
+rendered have a stand-in, and a warning that names material and node. Hair that emits light is
+found by chance only: few bright strands leave much noise.
 Written by `python -m blender_tests.against_cycles.node_states`.
 
 | node | state | what is different |

@@ -95,7 +95,7 @@ def _seen_by_lamps(along, view, wi):
 
 
 def _opposite(along, view, wi):
-    """Where Cycles' density of sampling agrees with its value: less than 90 degrees off straight on, about the fibre."""
+    """Where Cycles samples as it evaluates: less than 90 degrees off straight on, about the fibre."""
     return (wi - np.outer(wi @ along, along)) @ view <= 0.0
 
 
