@@ -59,7 +59,7 @@ def count_leaks(scene, packets, first, count):
             d = lerp(a, b, along) - o
         else:
             d = Vec3(random(i, 3) - 0.5, random(i, 4) - 0.5, random(i, 5) - 0.5)
-        if intersect_closest(scene, o, d, FAR, EVERYTHING, NOW).prim < 0:
+        if intersect_closest(scene, o, d, NOW, FAR, EVERYTHING, NOW).prim < 0:
             escaped += 1
         if not occluded(scene, o, d, FAR, NOW):
             not_occluded += 1

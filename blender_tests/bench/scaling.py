@@ -70,7 +70,7 @@ def closest_of_list(scene, packets, rays, count):
         prim = np.int32(-1)
         for k in range(packets):
             packet = scene.packets[k]
-            found = intersect_packet(packet, shear, t)
+            found = intersect_packet(packet, shear, np.float32(0.0), t)
             hits = found.hits
             while hits != 0:
                 j = lowest_bit(hits)

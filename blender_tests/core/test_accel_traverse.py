@@ -285,6 +285,32 @@ def test_t_max_ends_a_ray():
     np.testing.assert_array_equal(after["prim"][hit], free["prim"][hit])
 
 
+def test_from_hit_to_hit_a_ray_meets_all_that_it_crosses():
+    """Each query begins where the last one hit: nothing is met twice, nor left out, and t only grows."""
+    scene = mixed_scene()
+    o, d = (RANDOM.normal(size=(1000, 3)) * 2).astype(np.float32), directions(1000)
+    forth = list_hits(scene, o, d)
+    assert sum(map(len, forth)) > 300
+    assert max(map(len, forth)) > 2
+    back = list_hits(scene, o + d * np.float32(16), -d)
+    agreeing = [[k for _, k in a] == [k for t, k in reversed(b) if t < 16] for a, b in zip(forth, back, strict=True)]
+    assert np.mean(agreeing) > 0.98  # rounding: edges, and what lies within a hair's breadth of the origin
+
+
+def list_hits(scene, o, d):
+    """For each ray (t, (kind, prim, instance)) of all that it crosses, one behind the other."""
+    met, t = [[] for _ in o], np.zeros(len(o), np.float32)
+    for _ in range(64):
+        hits = closest(scene, o, d, t_min=t)
+        for i in np.flatnonzero(hits["prim"] >= 0):
+            assert hits["t"][i] > t[i]
+            met[i].append((hits["t"][i], tuple(hits[["kind", "prim", "instance"]][i])))
+        if not (hits["prim"] >= 0).any():
+            return met
+        t = np.where(hits["prim"] >= 0, hits["t"], np.inf).astype(np.float32)
+    raise AssertionError("there is always something more")
+
+
 def test_lamps_are_met_one_behind_the_other():
     scene = geometry_scene(soup(5), lamps=spheres([[0, 0, z] for z in range(5)], [0.25] * 5))
     t, met = 0.0, []

@@ -54,7 +54,9 @@ def _hit_rows(scene, p, rows, u, result):
     origin = Vec3(p[0], p[1], p[2])
     for i in range(len(rows)):
         s = dispatch.sample(scene, scene.lights[rows[i]], origin, u[i, 0], u[i, 1])
-        hit = intersect_closest(scene, origin, s.wi, np.float32(np.inf), Visibility.ALL.value, np.float32(0.0))
+        hit = intersect_closest(
+            scene, origin, s.wi, np.float32(0.0), np.float32(np.inf), Visibility.ALL.value, np.float32(0.0)
+        )
         result[i] = -1
         if hit.prim >= 0:
             it = make_interaction(scene, hit, origin, s.wi, np.float32(0.0))

@@ -16,6 +16,7 @@ RAY = np.dtype(
     [
         ("o", "f4", (3,)),
         ("d", "f4", (3,)),
+        ("t_min", "f4"),
         ("t_max", "f4"),
         # what was found
         ("t", "f4"),
@@ -37,7 +38,7 @@ class Rays(Tables):
 def closest_all(scene, rays, count, visibility):
     for i in range(count):
         ray = rays.rays[i]
-        hit = intersect_closest(scene, load3(ray, "o"), load3(ray, "d"), ray.t_max, visibility, NOW)
+        hit = intersect_closest(scene, load3(ray, "o"), load3(ray, "d"), ray.t_min, ray.t_max, visibility, NOW)
         ray.t, ray.kind, ray.prim, ray.instance, ray.b1, ray.b2 = hit
 
 
@@ -49,23 +50,23 @@ def occluded_all(scene, rays, count):
 
 
 @kernel
-def lamps_all(scene, rays, count, t_min):
+def lamps_all(scene, rays, count):
     for i in range(count):
         ray = rays.rays[i]
-        hit = intersect_lamps(scene, load3(ray, "o"), load3(ray, "d"), t_min, ray.t_max)
+        hit = intersect_lamps(scene, load3(ray, "o"), load3(ray, "d"), ray.t_min, ray.t_max)
         ray.t, ray.kind, ray.prim, ray.instance, ray.b1, ray.b2 = hit
 
 
-def make_rays(o, d, t_max=FAR):
+def make_rays(o, d, t_max=FAR, t_min=0.0):
     """The Rays from `o` along `d`, (n, 3) each or one for all."""
     rows = aligned_rows(len(np.broadcast_to(o, np.broadcast_shapes(np.shape(o), np.shape(d)))), RAY)
-    rows["o"], rows["d"], rows["t_max"] = o, d, t_max
+    rows["o"], rows["d"], rows["t_min"], rows["t_max"] = o, d, t_min, t_max
     return Rays(rays=rows)
 
 
-def closest(scene, o, d, t_max=FAR, visibility=Visibility.ALL):
-    """Rows of RAY with the first hits."""
-    rays = make_rays(o, d, t_max)
+def closest(scene, o, d, t_max=FAR, visibility=Visibility.ALL, t_min=0.0):
+    """Rows of RAY with the first hits beyond `t_min`."""
+    rays = make_rays(o, d, t_max, t_min)
     closest_all(scene, rays, len(rays.rays), int(visibility))
     return rays.rays
 
@@ -79,8 +80,8 @@ def blocked(scene, o, d, t_max=FAR):
 
 def lamps(scene, o, d, t_min=0.0, t_max=FAR):
     """Rows of RAY with the first lamps beyond `t_min`."""
-    rays = make_rays(o, d, t_max)
-    lamps_all(scene, rays, len(rays.rays), np.float32(t_min))
+    rays = make_rays(o, d, t_max, t_min)
+    lamps_all(scene, rays, len(rays.rays))
     return rays.rays
 
 

@@ -139,6 +139,21 @@ def test_coloured_pane_dims_light_once_for_each_passage():
     assert_radiance(picture(b, samples=4, max_bounces=0), 0.5 * np.array([0.9, 0.5, 0.1]) ** 2)
 
 
+@pytest.mark.parametrize("of_shapes", [False, True])
+def test_panes_that_nearly_touch_all_dim_the_light(of_shapes):
+    """Five of them, thousandths of a millimetre apart: a ray of the camera meets each, and so does a shadow ray."""
+    b = builder(eye=(0, 0, 3), target=(0, 1e-3, 0), field_of_view=20)
+    plane(b, Diffuse((0.5, 0.5, 0.5)), half=10)
+    for k in range(5):
+        z, surface = 1.0 + 4e-6 * k, Transparent((0.9, 0.8, 0.7))
+        if of_shapes:
+            quad(b, surface, np.vstack([turned_about_z(0.0, 10.0, (0, 0, z)), [0, 0, 0, 1]]))
+        else:
+            plane(b, surface, half=10, z=z)
+    b.sun_light("Sun", (0, 0, -1), (math.pi, math.pi, math.pi))
+    assert_radiance(picture(b, samples=4, max_bounces=0, transparent_bounces=16), 0.5 * np.array([0.9, 0.8, 0.7]) ** 10)
+
+
 def test_transparent_background_leaves_alpha():
     """Half of what a half transparent thing shows is the background, which is left out of colour and alpha."""
     b = builder(eye=(0, -3, 0), field_of_view=10)

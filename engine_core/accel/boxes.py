@@ -98,8 +98,8 @@ def make_slabs(o, d):
 
 
 @inlined_kernel
-def enter_boxes(node, slabs, t_max):
-    """Which children of a node the ray meets before `t_max`, as bits, and in lanes where it enters them.
+def enter_boxes(node, slabs, t_min, t_max):
+    """Which children of a node the ray meets from `t_min` to `t_max`, as bits, and in lanes where it enters them.
 
     A ray within the plane of a side of a box gets 0 times infinity there, not a number. `maximum` and `minimum` then
     return their second argument; so that side bounds nothing, nor perhaps the one before it, and the ray gets in.
@@ -109,7 +109,7 @@ def enter_boxes(node, slabs, t_max):
             (load8(node, "bounds", slabs.near_x) - slabs.ox) * slabs.near_ix,
             (load8(node, "bounds", slabs.near_y) - slabs.oy) * slabs.near_iy,
         ),
-        maximum((load8(node, "bounds", slabs.near_z) - slabs.oz) * slabs.near_iz, splat8(ZERO)),
+        maximum((load8(node, "bounds", slabs.near_z) - slabs.oz) * slabs.near_iz, splat8(t_min)),
     )
     far = minimum(
         minimum(
@@ -138,8 +138,8 @@ def start(stack, root):
 
 
 @inlined_kernel
-def next_leaf(scene, leaves, slabs, stack, top, t_max):
-    """From the top of the stack down to the next leaf that the ray meets before `t_max`, nearest children first.
+def next_leaf(scene, leaves, slabs, stack, top, t_min, t_max):
+    """From the top of the stack down to the next leaf that the ray meets beyond `t_min`, nearest children first.
 
     Returns the leaf, or NO_LEAF, and the new top of the stack. Of three or more children the farther ones are not fully
     sorted: that costs more than the few nodes it saves.
@@ -153,7 +153,7 @@ def next_leaf(scene, leaves, slabs, stack, top, t_max):
         child = key_number(key)
         while child >= 0:
             node = scene.nodes[child]
-            hits, entry = enter_boxes(node, slabs, t_max)
+            hits, entry = enter_boxes(node, slabs, t_min, t_max)
             if hits == 0:
                 break
             i = lowest_bit(hits)
@@ -182,7 +182,7 @@ def next_leaf(scene, leaves, slabs, stack, top, t_max):
 @inlined_kernel
 def start_any(scene, stack, slabs, root, t_max):
     """Put the root of a tree onto the stack for `any_leaf`; returns the top of the stack."""
-    hits, _ = enter_boxes(scene.nodes[root], slabs, t_max)
+    hits, _ = enter_boxes(scene.nodes[root], slabs, ZERO, t_max)
     store1(stack, "keys", 0, make_group(np.int32(root), hits))
     return 1
 
@@ -211,5 +211,5 @@ def any_leaf(scene, leaves, slabs, stack, top, t_max):
             if child < 0:
                 return child, top
             row = child
-            hits, _ = enter_boxes(scene.nodes[row], slabs, t_max)
+            hits, _ = enter_boxes(scene.nodes[row], slabs, ZERO, t_max)
     return NO_LEAF, top

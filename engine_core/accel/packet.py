@@ -48,8 +48,8 @@ def make_shear(o, d):
 
 
 @inlined_kernel
-def intersect_packet(packet, shear, t_max):
-    """Triangles that the ray hits at 0 < t < t_max, from either side (Woop, Benthin and Wald 2013).
+def intersect_packet(packet, shear, t_min, t_max):
+    """Triangles that the ray hits at t_min < t < t_max, from either side (Woop, Benthin and Wald 2013).
 
     u, v and w are the areas that the ray spans with the three edges. Two triangles compute the one of an edge that they
     share to exactly opposite numbers, and 0 is inside: that leaves no gap.
@@ -71,4 +71,4 @@ def intersect_packet(packet, shear, t_max):
     inside = (minimum(minimum(u, v), w) >= zero) | (maximum(maximum(u, v), w) <= zero)
     scale = splat8(ONE) / (u + v + w)  # infinite for a triangle without area; t is then not a number, and no hit
     t = (u * az + v * bz + w * cz) * shear.sz * scale
-    return PacketHit(bits(inside & (t > zero) & (t < splat8(t_max))), t, v * scale, w * scale)
+    return PacketHit(bits(inside & (t > splat8(t_min)) & (t < splat8(t_max))), t, v * scale, w * scale)

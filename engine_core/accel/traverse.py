@@ -46,25 +46,25 @@ class TreeHit(NamedTuple):
 
 
 @inlined_kernel
-def intersect_closest(scene, o, d, t_max, visibility, time):
-    """The first triangle or shape on the ray o + t d, 0 < t < t_max, among objects that `visibility` rays can see.
+def intersect_closest(scene, o, d, t_min, t_max, visibility, time):
+    """The first triangle or shape on the ray o + t d, t_min < t < t_max, among objects that `visibility` rays can see.
 
     `d` need not be unit. Lamps are not met; see `intersect_lamps`. All rays see what is in the world's own trees.
     """
     world = scene.world[0]
     hit = Hit(t_max, TRIANGLES, NONE, NONE, ZERO, ZERO)
     if world.instance_root >= 0:  # first, since a ground or a room is behind what stands in it
-        hit = intersect_instances(scene, world.instance_root, o, d, t_max, visibility)
+        hit = intersect_instances(scene, world.instance_root, o, d, t_min, t_max, visibility)
     if world.moving_root >= 0:
-        found = intersect_moving(scene, world.moving_root, o, d, hit.t, visibility, time)
+        found = intersect_moving(scene, world.moving_root, o, d, t_min, hit.t, visibility, time)
         if found.prim >= 0:
             hit = found
     if world.triangle_root >= 0:
-        found = intersect_triangles(scene, world.triangle_root, o, d, hit.t)
+        found = intersect_triangles(scene, world.triangle_root, o, d, t_min, hit.t)
         if found.prim >= 0:
             hit = Hit(found.t, TRIANGLES, found.prim, NONE, found.b1, found.b2)
     if world.shape_root >= 0:
-        found = intersect_shapes(scene, world.shape_root, o, d, ZERO, hit.t)
+        found = intersect_shapes(scene, world.shape_root, o, d, t_min, hit.t)
         if found.prim >= 0:
             hit = Hit(found.t, SHAPES, found.prim, NONE, found.b1, found.b2)
     return hit
@@ -81,17 +81,17 @@ def intersect_lamps(scene, o, d, t_min, t_max):
 
 
 @kernel
-def intersect_triangles(scene, root, o, d, t_max):
-    """The first triangle of the tree below `root`."""
+def intersect_triangles(scene, root, o, d, t_min, t_max):
+    """The first triangle of the tree below `root`, beyond t_min."""
     stack, slabs, shear = stack_scratch(), make_slabs(o, d), make_shear(o, d)
     prim, b1, b2 = NONE, ZERO, ZERO
     top = start(stack, root)
     while True:
-        leaf, top = next_leaf(scene, scene.packets, slabs, stack, top, t_max)
+        leaf, top = next_leaf(scene, scene.packets, slabs, stack, top, t_min, t_max)
         if leaf == NO_LEAF:
             return TreeHit(t_max, prim, b1, b2)
         packet = scene.packets[~leaf]
-        found = intersect_packet(packet, shear, t_max)
+        found = intersect_packet(packet, shear, t_min, t_max)
         hits = found.hits
         while hits != 0:
             i = lowest_bit(hits)
@@ -108,7 +108,7 @@ def intersect_shapes(scene, root, o, d, t_min, t_max):
     prim, b1, b2 = NONE, ZERO, ZERO
     top = start(stack, root)
     while True:
-        leaf, top = next_leaf(scene, scene.shapes, slabs, stack, top, t_max)
+        leaf, top = next_leaf(scene, scene.shapes, slabs, stack, top, t_min, t_max)
         if leaf == NO_LEAF:
             return TreeHit(t_max, prim, b1, b2)
         row = ~leaf
@@ -118,52 +118,52 @@ def intersect_shapes(scene, root, o, d, t_min, t_max):
 
 
 @kernel
-def intersect_instances(scene, root, o, d, t_max, visibility):
-    """The first triangle or shape of the instances in the tree below `root`."""
+def intersect_instances(scene, root, o, d, t_min, t_max, visibility):
+    """The first triangle or shape of the instances in the tree below `root`, beyond t_min."""
     stack, slabs = stack_scratch(), make_slabs(o, d)
     result = Hit(t_max, TRIANGLES, NONE, NONE, ZERO, ZERO)
     top = start(stack, root)
     while True:
-        leaf, top = next_leaf(scene, scene.instances, slabs, stack, top, result.t)
+        leaf, top = next_leaf(scene, scene.instances, slabs, stack, top, t_min, result.t)
         if leaf == NO_LEAF:
             return result
         row = ~leaf
         instance = scene.instances[row]
         if instance.visibility & visibility == 0:
             continue
-        found = intersect_instance(scene, instance, o, d, result.t)
+        found = intersect_instance(scene, instance, o, d, t_min, result.t)
         if found.prim >= 0:
             result = Hit(found.t, np.int64(instance.kind), found.prim, row, found.b1, found.b2)
 
 
 @kernel
-def intersect_instance(scene, instance, o, d, t_max):
-    """The first triangle or shape of one instance that has a tree of its own."""
+def intersect_instance(scene, instance, o, d, t_min, t_max):
+    """The first triangle or shape of one instance that has a tree of its own, beyond t_min."""
     local_o = transform_point(instance, "to_object", o)
     local_d = transform_vector(instance, "to_object", d)  # not normalised: t stays what it is
     if instance.kind == TRIANGLES:
-        found = intersect_triangles(scene, instance.root, local_o, local_d, t_max)
+        found = intersect_triangles(scene, instance.root, local_o, local_d, t_min, t_max)
         if found.prim >= 0:  # it will be shaded, unless another instance is nearer: there is time to bring it
             prefetch(scene.triangles[found.prim])
         return found
-    return intersect_shapes(scene, instance.root, local_o, local_d, ZERO, t_max)
+    return intersect_shapes(scene, instance.root, local_o, local_d, t_min, t_max)
 
 
 @kernel
-def intersect_moving(scene, root, o, d, t_max, visibility, time):
+def intersect_moving(scene, root, o, d, t_min, t_max, visibility, time):
     """As `intersect_instances`, among those that move, where they stand at `time`."""
     stack, slabs, scratch = stack_scratch(), make_slabs(o, d), new_instance()
     result = Hit(t_max, TRIANGLES, NONE, NONE, ZERO, ZERO)
     top = start(stack, root)
     while True:
-        leaf, top = next_leaf(scene, scene.instances, slabs, stack, top, result.t)
+        leaf, top = next_leaf(scene, scene.instances, slabs, stack, top, t_min, result.t)
         if leaf == NO_LEAF:
             return result
         row = ~leaf
         if scene.instances[row].visibility & visibility == 0:
             continue
         instance = instance_at(scene, row, time, scratch)
-        found = intersect_instance(scene, instance, o, d, result.t)
+        found = intersect_instance(scene, instance, o, d, t_min, result.t)
         if found.prim >= 0:
             result = Hit(found.t, np.int64(instance.kind), found.prim, row, found.b1, found.b2)
 
@@ -193,7 +193,7 @@ def triangles_occlude(scene, root, o, d, t_max):
         leaf, top = any_leaf(scene, scene.packets, slabs, stack, top, t_max)
         if leaf == NO_LEAF:
             return False
-        if intersect_packet(scene.packets[~leaf], shear, t_max).hits != 0:
+        if intersect_packet(scene.packets[~leaf], shear, ZERO, t_max).hits != 0:
             return True
 
 

@@ -107,16 +107,16 @@ def shadow_transmittance(scene, settings, walk, it, o, d, t_max):
     if scene.world[0].transparent_shadows == 0:
         return BLACK if occluded(scene, o, d, t_max, walk.time) else WHITE
     transmittance = WHITE
+    t_min = ZERO
     for _ in range(settings.transparent_bounces - walk.transparent_bounces + 1):
-        hit = intersect_closest(scene, o, d, t_max, Visibility.SHADOW.value, walk.time)
+        hit = intersect_closest(scene, o, d, t_min, t_max, Visibility.SHADOW.value, walk.time)
         if hit.prim < 0:
             return transmittance
         it = make_interaction(scene, hit, o, d, walk.time)
         transmittance = transmittance * transparency(scene, it, hit, d)
         if is_black(transmittance):
             return BLACK
-        o = offset_ray_origin(it.p, -it.ng)
-        t_max -= hit.t
+        t_min = hit.t
     return BLACK
 
 
@@ -150,10 +150,10 @@ def surface_emission(scene, it, Le, d, origin, distance):
 
 
 @kernel
-def lamp_radiance(scene, walk, o, d, t_max, origin, distance, visibility):
-    """Radiance of all lamps that the ray passes before `t_max`. Lamps are in nobody's way, so there may be several."""
+def lamp_radiance(scene, walk, o, d, t_min, t_max, origin, distance, visibility):
+    """Radiance of all lamps between `t_min` and `t_max`. Lamps are in nobody's way, so there may be several."""
     L = BLACK
-    t = np.float32(0.0)
+    t = t_min
     while True:
         hit = intersect_lamps(scene, o, d, t, t_max)
         if hit.prim < 0:

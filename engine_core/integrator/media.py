@@ -65,7 +65,7 @@ def set_out(scene, path, ray, time):
 
 @kernel
 def surface_above(scene, o, time):
-    return intersect_closest(scene, o, UP, FAR, CAMERA, time)
+    return intersect_closest(scene, o, UP, ZERO, FAR, CAMERA, time)
 
 
 @kernel
@@ -74,9 +74,9 @@ def boundary_above(scene, o, time):
     world, visibility = scene.world[0], CAMERA << BOUNDARY_SHIFT
     hit = Hit(FAR, NO_TREE, NO_PRIM, NO_PRIM, ZERO, ZERO)
     if world.instance_root >= 0:
-        hit = intersect_instances(scene, world.instance_root, o, UP, FAR, visibility)
+        hit = intersect_instances(scene, world.instance_root, o, UP, ZERO, FAR, visibility)
     if world.moving_root >= 0:
-        found = intersect_moving(scene, world.moving_root, o, UP, hit.t, visibility, time)
+        found = intersect_moving(scene, world.moving_root, o, UP, ZERO, hit.t, visibility, time)
         if found.prim >= 0:
             hit = found
     return hit
@@ -125,10 +125,18 @@ def is_no_surface(scene, path, it):
         return False
     go_through(scene, path.media, it, path.visibility)
     path.media.crossings += 1
-    path.distance += path.t
-    path.t_max = path.t_max - path.t if path.media.crossings < MOST_CROSSINGS else ZERO
-    store3(path, "o", offset_ray_origin(it.p, -it.ng))
+    pass_surface(path, it)
+    if path.media.crossings >= MOST_CROSSINGS:
+        path.t_max = ZERO
     return True
+
+
+@kernel
+def pass_surface(path, it):
+    """As that of `vacuum`. The ray begins anew behind all that lies at `it`, which `go_through` has crossed."""
+    path.distance += path.t
+    path.t_max -= path.t
+    store3(path, "o", offset_ray_origin(it.p, -it.ng))
 
 
 @kernel
@@ -141,9 +149,9 @@ def dimension_of_media(path):
 
 
 @kernel
-def intersect_all(scene, o, d, t_max, visibility, time):
+def intersect_all(scene, o, d, t_min, t_max, visibility, time):
     """As `intersect_closest`, of surfaces and boundaries. Where they lie in one place it is either."""
-    return intersect_closest(scene, o, d, t_max, visibility | visibility << BOUNDARY_SHIFT, time)
+    return intersect_closest(scene, o, d, t_min, t_max, visibility | visibility << BOUNDARY_SHIFT, time)
 
 
 @kernel
@@ -180,7 +188,7 @@ def met_instead(scene, it, hit, visibility, time):
 def surface_at(scene, it, t, visibility, time):
     """The surface that lies in one place with what is at `it`, a Hit at `t`."""
     before, behind = offset_ray_origin(it.p, it.ng), offset_ray_origin(it.p, -it.ng)
-    surface = intersect_closest(scene, before, behind - before, ONE, visibility, time)
+    surface = intersect_closest(scene, before, behind - before, ZERO, ONE, visibility, time)
     return Hit(t, surface.kind, surface.prim, surface.instance, surface.b1, surface.b2)
 
 
@@ -265,7 +273,7 @@ def shadow_transmittance(scene, settings, path, it, o, d, t_max):
     metres = length(d)
     clear, passed = WHITE, 0
     for _ in range(MOST_CROSSINGS):
-        hit = intersect_all(scene, o, d, t_max, Visibility.SHADOW.value, path.time)
+        hit = intersect_all(scene, o, d, ZERO, t_max, Visibility.SHADOW.value, path.time)
         if media.count > 0:
             clear = clear * homogeneous.transmittance(load3(media, "sigma_t"), hit.t * metres)
         if hit.prim < 0:
@@ -377,7 +385,7 @@ COMMON = {
     "is_scattered": is_scattered,
     "is_no_surface": is_no_surface,
     "dimension_of": dimension_of_media,
-    "follow": in_media(walk.follow, go_through=go_through),
+    "follow": in_media(walk.follow, go_through=go_through, pass_surface=pass_surface),
 }
 sample_delta = in_media(direct.sample_delta, light_of=light_of)
 

@@ -111,7 +111,7 @@ def ambient(scene, point, distance, normal, mode, samples):
         o = offset_ray_origin(p, ng if dot(d, ng) > 0.0 else -ng)
         if mode & ONLY_LOCAL:
             instance = instance_at(scene, point.instance, point.time, new_instance())
-            is_open = instance.root < 0 or intersect_instance(scene, instance, o, d, distance).prim < 0
+            is_open = instance.root < 0 or intersect_instance(scene, instance, o, d, ZERO, distance).prim < 0
         else:
             is_open = not occluded(scene, o, d, distance, point.time)
         count += 1 if is_open else 0
@@ -153,7 +153,7 @@ def bevel(scene, point, radius, samples):
         o, left = p + axis * height + on_disk, 2.0 * height
         pdf_disk = falloff(distance / radius)
         for _ in range(MOST_HITS):
-            hit = intersect_instance(scene, instance, o, -axis, left)
+            hit = intersect_instance(scene, instance, o, -axis, ZERO, left)
             if hit.prim < 0 or pdf_disk <= 0.0:
                 break
             found = Hit(hit.t, np.int64(instance.kind), hit.prim, np.int64(point.instance), hit.b1, hit.b2)
@@ -206,7 +206,7 @@ def raycast(scene, op, point, registers):
         if op.mode & ONLY_LOCAL:
             hit = hit_itself(scene, point, start, d, reach)
         else:
-            hit = intersect_closest(scene, start, d, reach, ALL, point.time)
+            hit = intersect_closest(scene, start, d, ZERO, reach, ALL, point.time)
         if hit.prim >= 0:
             it = make_interaction(scene, hit, start, d, point.time)
             is_hit, distance, normal = ONE, hit.t, it.ns
@@ -226,5 +226,5 @@ def hit_itself(scene, point, o, d, reach):
     kind, row = np.int64(instance.kind), np.int64(point.instance)
     if instance.root < 0:
         return Hit(reach, kind, np.int64(-1), row, ZERO, ZERO)
-    found = intersect_instance(scene, instance, o, d, reach)
+    found = intersect_instance(scene, instance, o, d, ZERO, reach)
     return Hit(found.t, kind, np.int64(found.prim), row, found.b1, found.b2)

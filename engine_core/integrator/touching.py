@@ -25,7 +25,7 @@ TOUCHING = np.dtype(
     ]
 )
 new_touching = scratch_record(TOUCHING)
-ONE = np.float32(1.0)
+ZERO, ONE = np.float32(0.0), np.float32(1.0)
 
 
 @kernel
@@ -48,7 +48,7 @@ def search(scene, root, own, o, d, visibility, time, found):
     stack, slabs, scratch = stack_scratch(), make_slabs(o, d), new_instance()
     top = start(stack, root)
     while True:
-        leaf, top = next_leaf(scene, scene.instances, slabs, stack, top, ONE)
+        leaf, top = next_leaf(scene, scene.instances, slabs, stack, top, ZERO, ONE)
         if leaf == NO_LEAF:
             return
         row = ~leaf
@@ -56,7 +56,7 @@ def search(scene, root, own, o, d, visibility, time, found):
         if row == own or seen & visibility == 0 or seen >> PLAIN_SHIFT != 0:
             continue
         instance = instance_at(scene, row, time, scratch)
-        hit = intersect_instance(scene, instance, o, d, ONE)
+        hit = intersect_instance(scene, instance, o, d, ZERO, ONE)
         if hit.prim >= 0:
             kind = np.int64(instance.kind)
             add(scene, found, make_interaction(scene, Hit(hit.t, kind, hit.prim, row, hit.b1, hit.b2), o, d, time))

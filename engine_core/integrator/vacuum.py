@@ -33,5 +33,15 @@ def is_no_surface(scene, walk, it):
 
 
 @kernel
+def pass_surface(walk, it):
+    """Let the path's ray go on behind the surface at `it`.
+
+    It stays the same ray, and meets what lies beyond: all of several surfaces that lie in one place, but for those that
+    it hits at the very same distance; as in Cycles.
+    """
+    walk.t_min = walk.t
+
+
+@kernel
 def go_through(scene, media, it, visibility):
     """Tell the media of a path that it goes through the surface at `it`."""

@@ -28,7 +28,7 @@ from ..tables import BSDF, CameraKind, LobeKind, MaterialFlag, TreeKind, Visibil
 from .direct import Origin, background_radiance, lamp_radiance, surface_emission
 from .layers import open_panes
 from .subsurface import BELOW, prepare_walk, walk_below
-from .vacuum import clearness, go_through
+from .vacuum import clearness, go_through, pass_surface
 
 # Dimensions of a sample, in pairs: 0 the pixel filter, 1 the lens, 2 the time, then four for each vertex of the path:
 # two choices (which light, which lobe), a point on a light or two more choices, a direction, Russian roulette.
@@ -40,8 +40,9 @@ ABOVE, DESCENDING, EMERGING = 0, 1, 2  # of the path to the surface: scattered b
 
 WALK = np.dtype(
     [
-        ("o", "f4", (3,)),  # the ray that comes next; it sees no further than t_max
+        ("o", "f4", (3,)),  # the ray that comes next; it sees from t_min to t_max
         ("d", "f4", (3,)),
+        ("t_min", "f4"),
         ("t_max", "f4"),
         ("time", "f4"),  # of the shutter, 0 to 1
         ("visibility", "i4"),  # Visibility: by what scattering it came about
@@ -53,8 +54,8 @@ WALK = np.dtype(
         ("n_last", "f4", (3,)),
         ("both_sides_last", "i4"),
         ("pdf_last", "f4"),
-        ("distance", "f4"),  # from there to `o`; more than 0 after passing through something transparent
-        ("t", "f4"),  # length of the ray that led to the vertex
+        ("distance", "f4"),  # from there to `o`; more than 0 after passing through something transparent in media
+        ("t", "f4"),  # where on the ray the vertex is
         ("prim", "i4"),  # what it is on: row of TRIANGLE, or -1 ...
         ("b1", "f4"),  # ... and where
         ("b2", "f4"),
@@ -106,7 +107,7 @@ def set_out(scene, walk, ray, time):
     store3(walk, "first_p", BLACK)
     store3(walk, "first_normal", BLACK)
     store3(walk, "first_albedo", WHITE)
-    walk.t_max, walk.time, walk.visibility, walk.alpha = ray.t_max, time, CAMERA, np.float32(1.0)
+    walk.t_min, walk.t_max, walk.time, walk.visibility, walk.alpha = ZERO, ray.t_max, time, CAMERA, ONE
     walk.direct = FAR
     walk.pdf_last = walk.distance = walk.t = ZERO
     walk.both_sides = walk.both_sides_last = walk.descents = 0
@@ -128,10 +129,10 @@ def advance(scene, settings, walk):
         return emerge(scene, walk)
     o, d, visibility = load3(walk, "o"), load3(walk, "d"), walk.visibility
     origin = origin_of(walk)
-    hit = intersect_closest(scene, o, d, walk.t_max, visibility, walk.time)
+    hit = intersect_closest(scene, o, d, walk.t_min, walk.t_max, visibility, walk.time)
     walk.t = hit.t
     if scene.world[0].lamp_root >= 0:
-        L = lamp_radiance(scene, walk, o, d, hit.t, origin, walk.distance, visibility)
+        L = lamp_radiance(scene, walk, o, d, walk.t_min, hit.t, origin, walk.distance, visibility)
         gather(walk, L, limit_of_found(settings, walk))
     if hit.prim < 0:
         if visibility == CAMERA and settings.transparent_background != 0:
@@ -273,25 +274,26 @@ def follow(scene, settings, walk, it, s, pdf):
     """Let the path go on along the BsdfSample `s`; False if it ends. `pdf`: for MIS, as Origin has it."""
     if s.pdf <= 0.0:
         return False
+    beta = load3(walk, "beta") * s.weight
+    if is_black(beta):
+        return False
     if s.kind == LobeKind.TRANSPARENT:
         walk.transparent_bounces += 1
         if walk.transparent_bounces > settings.transparent_bounces:
             return False
-        walk.distance += walk.t
-        walk.t_max -= walk.t
-    elif walk.ends_here != 0:
-        return False
-    elif s.kind != LobeKind.SUBSURFACE:
-        count_bounce(settings, walk, s)
-        store3(walk, "p_last", it.p)
-        store3(walk, "n_last", it.ns)
-        walk.both_sides_last, walk.pdf_last, walk.distance, walk.t_max = walk.both_sides, pdf, ZERO, FAR
-    beta = load3(walk, "beta") * s.weight
-    if is_black(beta):
-        return False
+        pass_surface(walk, it)
+    else:
+        if walk.ends_here != 0:
+            return False
+        if s.kind != LobeKind.SUBSURFACE:
+            count_bounce(settings, walk, s)
+            store3(walk, "p_last", it.p)
+            store3(walk, "n_last", it.ns)
+            walk.both_sides_last, walk.pdf_last, walk.distance, walk.t_max = walk.both_sides, pdf, ZERO, FAR
+        walk.t_min = ZERO
+        store3(walk, "o", offset_ray_origin(it.p, it.ng if dot(s.wi, it.ng) > 0.0 else -it.ng))
+        store3(walk, "d", s.wi)
     store3(walk, "beta", beta)
-    store3(walk, "o", offset_ray_origin(it.p, it.ng if dot(s.wi, it.ng) > 0.0 else -it.ng))
-    store3(walk, "d", s.wi)
     if dot(s.wi, it.ng) < 0.0 and s.kind != LobeKind.SUBSURFACE:
         go_through(scene, walk.media, it, walk.visibility)
     return True
