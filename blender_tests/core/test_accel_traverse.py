@@ -290,7 +290,7 @@ def test_from_hit_to_hit_a_ray_meets_all_that_it_crosses():
     scene = mixed_scene()
     o, d = (RANDOM.normal(size=(1000, 3)) * 2).astype(np.float32), directions(1000)
     forth = list_hits(scene, o, d)
-    assert sum(map(len, forth)) > 300
+    assert sum(map(len, forth)) > 150
     assert max(map(len, forth)) > 2
     back = list_hits(scene, o + d * np.float32(16), -d)
     agreeing = [[k for _, k in a] == [k for t, k in reversed(b) if t < 16] for a, b in zip(forth, back, strict=True)]
