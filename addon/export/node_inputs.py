@@ -203,11 +203,23 @@ def _bump(values, node, output, groups):
 def _normal_map(values, node, output, groups):
     space = node.space.removeprefix("BLENDER_")
     color, strength = values.color(node, groups, "Color"), values.number(node, groups, "Strength")
+    if getattr(node, "convention", "OPENGL") == "DIRECTX":  # its green points down
+        color = _inverted(color, (0.0, 1.0, 0.0))
+    if getattr(node, "base", "DISPLACED") == "ORIGINAL":
+        values.warn(node, "normal maps are relative to the displaced surface; rendering it as such")
+    if node.space.startswith("BLENDER_"):
+        color = _inverted(color, (0.0, 1.0, 1.0))
     tangent, sign = ZERO3, 1.0
     if space == "TANGENT":
         name = attributes.TANGENT + node.uv_map
         tangent, sign = attribute(name), attribute(name, 1, 3)
     return graph.node(Op.NORMAL_MAP, color, strength, tangent, sign, mode=opcodes.NormalSpace[space])
+
+
+def _inverted(color, which):
+    """A colour with 1 - c in the place of those components c for which `which` is 1."""
+    signs = tuple(1.0 - 2.0 * w for w in which)
+    return graph.added(_vectors(color, signs, opcodes.VectorMath.MULTIPLY), which)
 
 
 def turned(vector, axis, turns):
@@ -223,7 +235,7 @@ def _vectors(a, b, mode):
 def _tangent(values, node, output, groups):
     if node.direction_type == "UV_MAP":
         tangent = attribute(attributes.TANGENT + node.uv_map)
-        mode = 18 + opcodes.Space.OBJECT * 3 + opcodes.Space.WORLD
+        mode = 27 + opcodes.Space.OBJECT * 3 + opcodes.Space.WORLD  # as Cycles has it: like a normal
         tangent, normal = graph.node(Op.CHANGE_SPACE, tangent, mode=mode), vector_input(InputVector.NORMAL)
         across = _vectors(
             _vectors(tangent, normal, opcodes.VectorMath.CROSS_PRODUCT), ZERO3, opcodes.VectorMath.NORMALIZE

@@ -40,6 +40,7 @@ PARTLY = {
     "OUTPUT_MATERIAL": "the exporter reports what it leaves out of volume and displacement",
     "SHADERTORGB": "as in Cycles, which renders none: the value of the socket that it is linked to",
     "SQUEEZE": "as in Blender's own engines; Cycles does not render it at all",
+    "NORMAL_MAP": "relative to the displaced surface, as it is by default, never to the original one",
     "OUTPUT_AOV": "no passes of one's own",
 }
 SEEN_THROUGH = {"GROUP", "GROUP_INPUT", "GROUP_OUTPUT", "REROUTE", "FRAME"}
@@ -54,22 +55,29 @@ def text():
 
 
 def node_classes():
-    """Classes of the nodes that a material can hold, and those that worlds and lights have beside them."""
+    """(type, label) of the nodes that a material can hold, and of those that worlds and lights have beside them."""
+    return {node.type: (node.type, node.bl_rna.name) for node in all_nodes()}.values()
+
+
+def giving_values():
+    """Labels of the nodes that have an output for something else than a shader, groups aside."""
+    giving = (node for node in all_nodes("ShaderNode") if any(output.type != "SHADER" for output in node.outputs))
+    return {node.bl_rna.name for node in giving if node.type not in SEEN_THROUGH}
+
+
+def all_nodes(*kinds):
+    """A node of each class whose name begins so, one after the other."""
+    kinds = kinds or ("ShaderNode", "NodeRepeat", "NodeClosure", "NodeMenuSwitch", "NodeEvaluate")
     tree = bpy.data.node_groups.new("All nodes", "ShaderNodeTree")
-    found = {}
     try:
-        for name in dir(bpy.types):
-            if not name.startswith(("ShaderNode", "NodeRepeat", "NodeClosure", "NodeMenuSwitch", "NodeEvaluate")):
-                continue
+        for name in filter(lambda name: name.startswith(kinds), dir(bpy.types)):
             try:
-                node = tree.nodes.new(name)
+                yield tree.nodes.new(name)
             except RuntimeError:  # a base class, or of another kind of tree
                 continue
-            found[node.type] = (node.type, node.bl_rna.name)
             tree.nodes.clear()
     finally:
         bpy.data.node_groups.remove(tree)
-    return found.values()
 
 
 def row(told):

@@ -121,46 +121,57 @@ def as_a_drum(where, b_material):
     uvs = drum.data.uv_layers.active.uv
     for number, corner in enumerate(uvs):
         corner.vector += Vector((0.07 * (number % 5), 0.11 * (number % 3)))
-    drum.rotation_euler = (0.7, 0.4, 0.2)
+    drum.rotation_euler, drum.scale = (0.7, 0.4, 0.2), (1.2, 0.8, 1.0)
     for polygon in drum.data.polygons:
         polygon.use_smooth = polygon.index % 3 > 0
     drum.data.materials.append(b_material)
 
 
-def as_a_stretched_drum(where, b_material):
-    as_a_drum(where, b_material)
-    bpy.context.object.scale = (1.2, 0.8, 1.0)
-
-
 INSTANCER = {"attribute_type": "INSTANCER"}
 CASES = {
-    "generated of the instancer": (on_faces, ("Generated", "TexCoord", 1.0, 1.0), {"from_instancer": True}),
-    "UV of the instancer": (on_faces, ("UV", "TexCoord"), {"from_instancer": True}),
-    "property of the instancer": (on_faces, ("Color", "Attribute"), {"attribute_name": "glow"} | INSTANCER),
-    "property of the instance": (
+    "Texture Coordinate Generated of the instancer": (
+        on_faces,
+        ("Generated", "TexCoord", 1.0, 1.0),
+        {"from_instancer": True},
+    ),
+    "Texture Coordinate UV of the instancer": (on_faces, ("UV", "TexCoord"), {"from_instancer": True}),
+    "Attribute of the instancer": (on_faces, ("Color", "Attribute"), {"attribute_name": "glow"} | INSTANCER),
+    "Attribute of the instance": (
         on_faces,
         ("Color", "Attribute"),
         {"attribute_name": "glow", "attribute_type": "OBJECT"},
     ),
-    "random of instances": (on_faces, ("Random", "ObjectInfo"), {}),
-    "location of instances": (on_faces, ("Location", "ObjectInfo", 0.1), {}),
-    "property of particles": (as_particles, ("Color", "Attribute"), {"attribute_name": "glow"} | INSTANCER),
-    "index of particles": (as_particles, ("Index", "ParticleInfo", 0.1), {}),
-    "random of particles": (as_particles, ("Random", "ParticleInfo"), {}),
-    "age of particles": (as_particles, ("Age", "ParticleInfo", 0.1), {}),
-    "lifetime of particles": (as_particles, ("Lifetime", "ParticleInfo", 0.02), {}),
-    "location of particles": (as_particles, ("Location", "ParticleInfo", 0.1), {}),
-    "size of particles": (as_particles, ("Size", "ParticleInfo"), {}),
-    "velocity of particles": (as_particles, ("Velocity", "ParticleInfo", 1.0, 1.0), {}),
-    "spin of particles": (as_particles, ("Angular Velocity", "ParticleInfo"), {}),
-    "attribute of instances": (by_geometry_nodes, ("Color", "Attribute"), {"attribute_name": "tint"} | INSTANCER),
-    "alpha of instances": (by_geometry_nodes, ("Alpha", "Attribute"), {"attribute_name": "tint"} | INSTANCER),
-    "position of points": (as_points, ("Position", "PointInfo", 0.1), {}),
-    "radius of points": (as_points, ("Radius", "PointInfo", 3.0), {}),
-    "random of points": (as_points, ("Random", "PointInfo"), {}),
-    "tangents": (as_a_drum, ("Tangent", "Tangent", 0.5, 0.5), {"direction_type": "UV_MAP"}),
-    "normal map": (as_a_stretched_drum, ("Normal", "NormalMap", 0.5, 0.5), {"inputs": {"Color": (0.8, 0.6, 0.9, 1.0)}}),
-    "pointiness": (as_a_rough_ball, ("Pointiness", "NewGeometry"), {}),
+    "Object Info Random of instances": (on_faces, ("Random", "ObjectInfo"), {}),
+    "Object Info Location of instances": (on_faces, ("Location", "ObjectInfo", 0.1), {}),
+    "Attribute of particles": (as_particles, ("Color", "Attribute"), {"attribute_name": "glow"} | INSTANCER),
+    "Particle Info Index": (as_particles, ("Index", "ParticleInfo", 0.1), {}),
+    "Particle Info Random": (as_particles, ("Random", "ParticleInfo"), {}),
+    "Particle Info Age": (as_particles, ("Age", "ParticleInfo", 0.1), {}),
+    "Particle Info Lifetime": (as_particles, ("Lifetime", "ParticleInfo", 0.02), {}),
+    "Particle Info Location": (as_particles, ("Location", "ParticleInfo", 0.1), {}),
+    "Particle Info Size": (as_particles, ("Size", "ParticleInfo"), {}),
+    "Particle Info Velocity": (as_particles, ("Velocity", "ParticleInfo", 1.0, 1.0), {}),
+    "Particle Info Angular Velocity": (as_particles, ("Angular Velocity", "ParticleInfo"), {}),
+    "Attribute of instances by geometry nodes": (
+        by_geometry_nodes,
+        ("Color", "Attribute"),
+        {"attribute_name": "tint"} | INSTANCER,
+    ),
+    "Attribute Alpha of instances by geometry nodes": (
+        by_geometry_nodes,
+        ("Alpha", "Attribute"),
+        {"attribute_name": "tint"} | INSTANCER,
+    ),
+    "Point Info Position": (as_points, ("Position", "PointInfo", 0.1), {}),
+    "Point Info Radius": (as_points, ("Radius", "PointInfo", 3.0), {}),
+    "Point Info Random": (as_points, ("Random", "PointInfo"), {}),
+    "Tangent of a stretched drum": (as_a_drum, ("Tangent", "Tangent", 0.5, 0.5), {"direction_type": "UV_MAP"}),
+    "Normal Map of a stretched drum": (
+        as_a_drum,
+        ("Normal", "NormalMap", 0.5, 0.5),
+        {"inputs": {"Color": (0.8, 0.6, 0.9, 1.0)}},
+    ),
+    "Geometry Pointiness": (as_a_rough_ball, ("Pointiness", "NewGeometry"), {}),
 }
 COLUMNS = 6
 ROWS = -(-len(CASES) // COLUMNS)
@@ -180,17 +191,24 @@ def instancers():
         scene.frame_set(frame)
 
 
+def cells():
+    """{case: (ours, theirs)}"""
+    return cells_in_both(instancers, CASES, COLUMNS, CELL)
+
+
 @pytest.fixture(scope="module")
 def pictures():
-    """(ours, theirs) by case."""
-    return cells_in_both(instancers, CASES, COLUMNS, CELL)
+    return cells()
+
+
+def difference(ours, theirs):
+    """Of all but a twentieth of the pixels: a few at outlines are decided by rounding."""
+    shines = theirs.any(axis=-1)
+    return np.quantile(np.abs(ours - theirs).max(axis=-1)[shines], 0.95)
 
 
 @pytest.mark.parametrize("name", CASES)
 def test_nodes_say_of_instances_what_they_say_in_cycles(pictures, name):
-    """But for a few pixels at outlines, which rounding decides."""
     ours, theirs = pictures[name]
-    shines = theirs.any(axis=-1)
-    assert shines.mean() > 0.03
-    difference = np.abs(ours - theirs).max(axis=-1)[shines]
-    assert np.mean(difference > 1e-3) < 0.05, f"{np.median(difference):.2g}"
+    assert theirs.any(axis=-1).mean() > 0.03
+    assert difference(ours, theirs) <= 1e-3

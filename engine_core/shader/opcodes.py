@@ -152,7 +152,8 @@ class InputNumber(IntEnum):
 
 
 class Space(IntEnum):
-    """CHANGE_SPACE: `mode` is kind * 9 + from * 3 + to, kind being 0 for a point, 1 for a vector, 2 for a normal."""
+    """CHANGE_SPACE: `mode` is kind * 9 + from * 3 + to, kind being 0 for a point, 1 for a vector, 2 for a unit vector,
+    3 for the normal of a plane."""
 
     WORLD = 0
     OBJECT = 1
@@ -272,7 +273,7 @@ SIGNATURES = {
     Op.MAPPING: Signature(Entry.VECTOR, (3, 3, 3, 3), 3, len(Mapping)),
     Op.TRANSFORM: Signature(Entry.VECTOR, (3, 3, 3, 3, 3), 3, 1),
     Op.ROTATE: Signature(Entry.VECTOR, (3, 3, 3, 1, 3), 3, 2 * CLAMPED),
-    Op.CHANGE_SPACE: Signature(Entry.VECTOR, (3,), 3, 27, varies=True),
+    Op.CHANGE_SPACE: Signature(Entry.VECTOR, (3,), 3, 36, varies=True),
     Op.BUMP: Signature(Entry.VECTOR, (1, 1, 1, 1, 1, 3), 3, 2, varies=True),
     Op.NORMAL_MAP: Signature(Entry.VECTOR, (3, 1, 3, 1), 3, len(NormalSpace), varies=True),
     Op.FRESNEL: Signature(Entry.VECTOR, (1, 3), 1, 1, varies=True),

@@ -52,27 +52,37 @@ def run(scene, op, point, registers):
 
 @kernel
 def change_space(scene, op, point, registers):
-    """Blender's Vector Transform. Normals keep to directions, made unit, as in Cycles."""
+    """Blender's Vector Transform. Normals keep to directions, made unit, as in Cycles; kind 3 are those of planes."""
     kind, start, end = op.mode // 9, (op.mode // 3) % 3, op.mode % 3
     v = vector(op, registers, 0)
     is_point = kind == 0
     if start == Space.OBJECT and point.instance >= 0:
         instance = instance_at(scene, point.instance, point.time, new_instance())
-        v = transform_point(instance, "to_world", v) if is_point else transform_vector(instance, "to_world", v)
+        if is_point:
+            v = transform_point(instance, "to_world", v)
+        elif kind == 3:
+            v = transform_normal(instance, "to_object", v)
+        else:
+            v = transform_vector(instance, "to_world", v)
     elif start == Space.CAMERA:
         v = Vec3(v.x, v.y, -v.z)
         camera = scene.camera[0]
         v = transform_point(camera, "to_world", v) if is_point else transform_vector(camera, "to_world", v)
     if end == Space.OBJECT and point.instance >= 0:
         instance = instance_at(scene, point.instance, point.time, new_instance())
-        v = transform_point(instance, "to_object", v) if is_point else transform_vector(instance, "to_object", v)
+        if is_point:
+            v = transform_point(instance, "to_object", v)
+        elif kind == 3:
+            v = transform_normal(instance, "to_world", v)
+        else:
+            v = transform_vector(instance, "to_object", v)
     elif end == Space.CAMERA:
         camera = scene.camera[0]
         if is_point:
             v = v - transform_point(camera, "to_world", BLACK)
         v = transform_normal(camera, "to_world", v)
         v = Vec3(v.x, v.y, -v.z)
-    give_vector(op, registers, safe_normalize(v) if kind == 2 else v)
+    give_vector(op, registers, safe_normalize(v) if kind >= 2 else v)
 
 
 # ---- Normals ---------------------------------------------------------------------------------------------------------
