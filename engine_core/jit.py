@@ -22,26 +22,37 @@ from pathlib import Path
 import numba
 import numpy as np
 
+from .linking import KernelDispatcher, RootCompiler
+
 # Contraction into fused multiply-adds, reciprocals for repeated divisions, and no care for the sign of zero.
 # Not "nnan" or "ninf": slabs of flat boxes and missing children count on infinities.
 FASTMATH = {"contract", "arcp", "nsz"}
-# No wrapper for calls from C, which nobody makes: saves a tenth of the time that compiling takes.
-OPTIONS = {"cache": True, "nogil": True, "error_model": "numpy", "fastmath": FASTMATH, "no_cfunc_wrapper": True}
+# No wrapper for calls from C, which nobody makes.
+OPTIONS = {"nopython": True, "nogil": True, "error_model": "numpy", "fastmath": FASTMATH, "no_cfunc_wrapper": True}
 
 
 def kernel(function):
     """Compile for the hot path: cached on disk, no GIL, float32 literals, C's rules of division."""
-    return numba.njit(float32_literals(function), **OPTIONS)
+    return compiled(float32_literals(function))
 
 
 def inlined_kernel(function):
     """As `kernel`, and always compiled into its callers: for what hands many SIMD registers in and out."""
-    return numba.njit(float32_literals(function), forceinline=True, **OPTIONS)
+    return compiled(float32_literals(function), forceinline=True)
 
 
 def builder_kernel(function):
     """Compile for preparing a scene: as `kernel`, but literals keep Python's float64."""
-    return numba.njit(function, **OPTIONS)
+    return compiled(function)
+
+
+def compiled(function, **options):
+    """A KernelDispatcher; the function itself where NUMBA_DISABLE_JIT asks for plain Python, for a debugger."""
+    if numba.config.DISABLE_JIT:
+        return function
+    dispatcher = KernelDispatcher(function, targetoptions={**OPTIONS, **options})
+    dispatcher.enable_caching()
+    return dispatcher
 
 
 def variant(function, name, **meanings):
@@ -64,7 +75,7 @@ def entry_point(function, *argument_types):
     Keep the returned object for as long as anybody may call.
     """
     signature = numba.void(*argument_types)
-    options = {"cache": True, "error_model": "numpy", "fastmath": FASTMATH}
+    options = {"cache": True, "error_model": "numpy", "fastmath": FASTMATH, "pipeline_class": RootCompiler}
     return numba.cfunc(signature, **options)(float32_literals(function))
 
 

@@ -234,8 +234,8 @@ def test_numbers_are_float32(function, result):
         return function(make_sampler(make_sequence(settings, 0, 7), 0), 0)
 
     call(Settings())
-    assert function.nopython_signatures
-    assert all(signature.return_type == result for signature in function.nopython_signatures)
+    assert function.inner.nopython_signatures
+    assert all(signature.return_type == result for signature in function.inner.nopython_signatures)
 
 
 def test_hash_is_a_bijection_that_changes_half_of_all_bits():

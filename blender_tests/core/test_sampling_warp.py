@@ -11,6 +11,7 @@ from scipy import stats
 from blender_tests.helpers.chi_square import compare_directions, significance_of_one_of, window_around
 from engine_core.jit import kernel
 from engine_core.linalg.vec3 import Vec3, vec3
+from engine_core.linking import KernelDispatcher
 from engine_core.sampling import warp
 
 N = 100_000
@@ -225,16 +226,25 @@ def test_angle_of_a_point_is_right_to_the_last_places():
 
 def test_results_are_float32():
     """A float64 in between would make a kernel twice as slow."""
-    f = np.float32(0.3)
-    warp.disk_to_square(f, f), warp.square_to_cone(f, f, f), warp.square_to_regular_polygon(f, f, 5)
+
+    @numba.njit  # without a cache: what comes from one has not looked at the types of what it calls
+    def call(u0, u1):
+        w = warp.square_to_cosine_hemisphere(u0, u1)
+        a, b = warp.disk_to_square(u0, u1), warp.cosine_hemisphere_to_square(w)
+        c, d = warp.square_to_cone(u0, u1, u0), warp.cone_to_square(w, u0)
+        e, f = warp.square_to_sphere(u0, u1), warp.sphere_to_square(w)
+        g, h = warp.square_to_triangle(u0, u1), warp.triangle_to_square(u0, u1)
+        return a, b, c, d, e, f, g, h, warp.square_to_regular_polygon(u0, u1, 5)
+
+    call(np.float32(0.3), np.float32(0.3))
     allowed = {numba.float32, numba.types.UniTuple(numba.float32, 2), vec3}
     seen = 0
     for function in vars(warp).values():
-        for signature in getattr(function, "nopython_signatures", []):
+        for signature in function.inner.nopython_signatures if isinstance(function, KernelDispatcher) else ():
             if numba.float64 not in signature.args:
                 assert signature.return_type in allowed, (function, signature)
                 seen += 1
-    assert seen >= 8
+    assert seen >= 10
 
 
 def test_window_sees_a_narrow_cone(u):

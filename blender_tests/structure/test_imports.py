@@ -9,6 +9,7 @@ from sources import ROOT, imports, python_files, syntax
 RANKS_OF_ENGINE = [
     {
         "jit",
+        "linking",
         "tables",
         "program_tables",
         "medium_tables",
