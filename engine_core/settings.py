@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a render is asked for: a NamedTuple of numbers, handed to kernels as an argument.
+"""What a render is asked for: a NamedTuple of numbers in Python, a row of SETTINGS in kernels.
 
-A global of a module would be frozen when a kernel is compiled.
+They get it as an argument, as a global of a module would be frozen when a kernel is compiled.
 """
 
 from enum import IntEnum
 from typing import NamedTuple
+
+import numpy as np
 
 UNIFORM_SAMPLES = 16  # what each pixel gets before adaptive sampling begins
 
@@ -60,6 +62,10 @@ class Settings(NamedTuple):
     transparent_background: int = 0  # 1: camera rays that miss leave alpha 0
     exposure: float = 1.0
 
-    def plain(self):
-        """The same in plain int and float: for anything else numba would compile every kernel once more."""
-        return Settings(*(kind(value) for kind, value in zip(type(self).__annotations__.values(), self, strict=True)))
+    def row(self):
+        """The same as one row of SETTINGS, which is what kernels read: a pointer, where a tuple would be 29 arguments of
+        every call."""
+        return np.array([tuple(self)], SETTINGS)[0]
+
+
+SETTINGS = np.dtype([(name, "i4" if kind is int else "f4") for name, kind in Settings.__annotations__.items()])

@@ -241,6 +241,8 @@ LOBE = np.dtype(
         ("g", "f4"),  # SUBSURFACE: anisotropy of its phase function; HAIR: sine of the tilt of its scales
         ("multiscatter", "i4"),  # 1: compensate the energy that single scattering loses (Turquin 2019)
         ("energy_scale", "f4"),  # at a hit: what that compensation came to
+        ("alpha", "f4"),  # at a hit: of both widths, as if they were equal ...
+        ("roughness", "f4"),  # ... and its root
         ("layer", "i4"),  # lobes of one layer number lie under the covering ones before them; 0: under none
         ("covers", "f4"),  # share of what lies below that this lobe covers (a coat's weight, without the mix factor):
         # what it reflects there does not reach the later lobes of its layer, nor what its refract_tint absorbs
@@ -256,6 +258,7 @@ BSDF = np.dtype(
         ("cell", "i4"),  # row of GUIDE_CELL that guides what it scatters, or -1 ...
         ("guided", "f4"),  # ... and the share of the directions that come from there
         ("ng", "f4", (3,)),  # geometric normal, on the side of wo
+        ("albedo", "f4", (3,)),  # of several lobes together, towards wo
         ("shadow_stretch", "f4"),  # as in OBJECT
         ("frame_count", "i4"),
         ("frame", "i4"),  # while it is made: the frame of the lobes that are being added

@@ -38,7 +38,7 @@ def _give(film, settings, numbers, u, values):
 def exposed(case, sides, value):
     """A film with sides[pixel]^2 jittered samples of `value(x, y)` in each pixel, and their Settings."""
     kind, width = case
-    asked = Settings(WIDTH, HEIGHT, crop_width=WIDTH, crop_height=HEIGHT, filter_kind=kind, filter_width=width).plain()
+    asked = Settings(WIDTH, HEIGHT, crop_width=WIDTH, crop_height=HEIGHT, filter_kind=kind, filter_width=width)
     assert sharing.can_share(asked)
     film, random = make_film(WIDTH, HEIGHT, shares_samples=True), np.random.default_rng(3)
     for number, side in enumerate(sides):
@@ -50,7 +50,7 @@ def exposed(case, sides, value):
             at - lo + u[:, a] * (1 + lo + hi) for a, (at, lo, hi) in enumerate(zip((x, y), low, high, strict=True))
         ]
         values = np.broadcast_to(value(*place), len(u)).astype(np.float32)
-        _give(film, asked, np.full(len(u), number), u, values)
+        _give(film, asked.row(), np.full(len(u), number), u, values)
     return film
 
 

@@ -18,10 +18,15 @@ from .thin_film import film_over_dielectric, has_film, tinted_film
 
 @kernel
 def evaluate_and_pdf(lobe, wo, wi):
-    if wo.z <= 0.0 or wi.z <= 0.0 or microfacet.is_smooth(lobe):
+    return value_of(lobe, microfacet.evaluate_reflection(lobe, wo, wi))
+
+
+@kernel
+def value_of(lobe, m):
+    """The LobeValue of a Reflection `m`."""
+    if m.pdf <= 0.0:
         return nothing()
-    f, pdf, cos_h = microfacet.evaluate_reflection(lobe, wo, wi)
-    return LobeValue(reflectance(lobe, cos_h) * (f * lobe.energy_scale), pdf)
+    return LobeValue(reflectance(lobe, m.cos_h) * (m.f * lobe.energy_scale), m.pdf)
 
 
 @kernel

@@ -23,9 +23,10 @@ from ..jit import kernel
 from ..linalg.vec3 import BLACK, WHITE, Vec3, average, dot, is_black, load3, max_component, store3
 from ..tables import FresnelKind, LobeKind, Visibility
 from . import coating, conductor, dielectric, hair, thin_wall
-from .kinds import is_delta, lobe_albedo, lobe_evaluate_and_pdf, lobe_sample
+from .kinds import is_delta, is_mirror, lobe_albedo, lobe_evaluate_and_pdf, lobe_sample, mirror_value
+from .energy import set_roughness
 from .lobe import ONE, ZERO, has_no_sides, is_fibre, is_matt
-from .microfacet import is_smooth, passes_straight
+from .microfacet import Reflection, evaluate_reflection, has_facets_of, is_smooth, passes_straight
 
 BELOW_ONE = np.float32(1.0 - 2.0**-24)
 HALF_PI = np.float32(0.5 * math.pi)
@@ -157,11 +158,10 @@ def is_behind(bsdf, wi):
 @kernel
 def albedo(bsdf, wo):
     """Share of light from everywhere that leaves towards wo, by colour; see the models for how exact."""
-    total = BLACK
-    for i in range(bsdf.count):
-        lobe = bsdf.lobes[i]
-        total = total + load3(lobe, "weight") * lobe_albedo(lobe, to_local(bsdf.frames[lobe.frame], wo))
-    return total
+    if bsdf.count != 1:
+        return load3(bsdf, "albedo")
+    lobe = bsdf.lobes[0]
+    return load3(lobe, "weight") * lobe_albedo(lobe, to_local(bsdf.frames[lobe.frame], wo))
 
 
 @kernel
@@ -203,18 +203,27 @@ def _choose_lobe(bsdf, u):
 
 @kernel
 def _sum_lobes(bsdf, wo, wi, but, n):
-    """(sum f, sum pmf pdf) over all lobes but one, where they agree with `n` on which side wi is."""
+    """(sum f, sum pmf pdf) over all lobes but one, where they agree with `n` on which side wi is.
+
+    Lobes of equal microfacets, such as a metal and the varnish on it, share the work on these.
+    """
     f, density = BLACK, ZERO
     is_above = dot(n, wi) > 0.0
     frame, wo_local, wi_local = -1, wo, wi
+    mirror, reflection = -1, Reflection(ZERO, ZERO, ZERO)
     for i in range(bsdf.count):
         lobe = bsdf.lobes[i]
         if i != but and lobe.pmf > 0.0:
             if lobe.frame != frame:
-                frame = lobe.frame
+                frame, mirror = lobe.frame, -1
                 wo_local, wi_local = to_local(bsdf.frames[frame], wo), to_local(bsdf.frames[frame], wi)
             if (wi_local.z > 0.0) == is_above or has_no_sides(lobe.kind):
-                value = lobe_evaluate_and_pdf(lobe, wo_local, wi_local)
+                if is_mirror(lobe.kind):
+                    if mirror < 0 or not has_facets_of(lobe, bsdf.lobes[mirror]):
+                        mirror, reflection = i, evaluate_reflection(lobe, wo_local, wi_local)
+                    value = mirror_value(lobe, reflection)
+                else:
+                    value = lobe_evaluate_and_pdf(lobe, wo_local, wi_local)
                 lit = load3(lobe, "weight") * value.f
                 if frame > 0:
                     lit = lit * bump_shadowing(bsdf, lobe, wi)
@@ -279,10 +288,11 @@ def prepare(bsdf, wo, backfacing):
     Turns indices of refraction around at a back face, compensates for the energy that single scattering loses, lets
     what coatings reflect not reach what lies below, and shares out the lobes' probability by what they give back.
     """
-    total = ZERO
+    total = BLACK
     for i in range(bsdf.count):
         lobe = bsdf.lobes[i]
         wo_local = to_local(bsdf.frames[lobe.frame], wo)
+        set_roughness(lobe)
         if backfacing and (lobe.kind == LobeKind.DIELECTRIC or lobe.kind == LobeKind.REFRACTION):
             lobe.film_ior /= lobe.ior
             lobe.ior = 1.0 / lobe.ior
@@ -295,11 +305,13 @@ def prepare(bsdf, wo, backfacing):
             lobe.pmf = ZERO if is_black(load3(lobe, "weight")) else ONE
             return
         share = lobe_albedo(lobe, wo_local)
-        lobe.pmf = average(load3(lobe, "weight") * share)
-        total += lobe.pmf
+        given = load3(lobe, "weight") * share
+        lobe.pmf = average(given)
+        total = total + given
         if lobe.covers > 0.0:
             _cover(bsdf, i, wo_local, share * darkening)
-    scale = 1.0 / total if total > 0.0 else ZERO
+    store3(bsdf, "albedo", total)
+    scale = 1.0 / average(total) if not is_black(total) else ZERO
     for i in range(bsdf.count):
         bsdf.lobes[i].pmf *= scale
 

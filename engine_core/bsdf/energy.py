@@ -39,8 +39,7 @@ FRESNEL = 2  # mean reflectance of a dielectric, from outside, over that of a sm
 @kernel
 def ggx_albedo(lobe, cos):
     """Share of light that a rough mirror without Fresnel gives back by single scattering."""
-    alpha = _alpha(lobe)
-    return _plane(GGX, math.sqrt(alpha), _view(cos, alpha))
+    return _plane(GGX, lobe.roughness, _view(cos, lobe.alpha))
 
 
 @kernel
@@ -55,7 +54,7 @@ def mirror_share(lobe, cos):
 @kernel
 def mean_f82(lobe, cos, f0, b):
     """Mean reflectance of the microfacets of a metal, for the curve f0 + (1 - f0) (1 - cos)^5 - b cos (1 - cos)^6."""
-    roughness = math.sqrt(_alpha(lobe))
+    roughness = lobe.roughness
     return lerp(f0, WHITE, _plane(SCHLICK, roughness, cos)) - b * _plane(SCHLICK_F82, roughness, cos)
 
 
@@ -65,24 +64,21 @@ def mean_dielectric(lobe, cos):
     smooth, _ = fresnel_dielectric(cos, lobe.ior)
     if lobe.ior <= 1.0:
         return smooth
-    alpha = _alpha(lobe)
-    return smooth * _volume(FRESNEL, _index(lobe.ior), math.sqrt(alpha), _view(cos, alpha))
+    return smooth * _volume(FRESNEL, _index(lobe.ior), lobe.roughness, _view(cos, lobe.alpha))
 
 
 @kernel
 def mean_coating(lobe, cos):
     """The same of a varnish, which has none of it inside: an index below 1 counts as its inverse, as in Cycles."""
     smooth, _ = fresnel_dielectric(cos, max(lobe.ior, 1.0 / lobe.ior))
-    alpha = _alpha(lobe)
-    return smooth * _volume(FRESNEL, _index(lobe.ior), math.sqrt(alpha), _view(cos, alpha))
+    return smooth * _volume(FRESNEL, _index(lobe.ior), lobe.roughness, _view(cos, lobe.alpha))
 
 
 @kernel
 def glass_albedo(lobe, cos):
     """Share of light that white glass gives back by single scattering, reflected and refracted."""
-    alpha = _alpha(lobe)
     side = GLASS_INSIDE if lobe.ior < 1.0 else GLASS
-    return _volume(side, _index(lobe.ior), math.sqrt(alpha), _view(cos, alpha))
+    return _volume(side, _index(lobe.ior), lobe.roughness, _view(cos, lobe.alpha))
 
 
 # ---- Compensation ----------------------------------------------------------------------------------------------------
@@ -91,7 +87,7 @@ def glass_albedo(lobe, cos):
 @kernel
 def compensate_reflection(lobe, cos, reflectance):
     """Set `energy_scale` of a rough mirror whose mean Fresnel reflectance is `reflectance`; see `_compensate`."""
-    average = _line(math.sqrt(_alpha(lobe)))
+    average = _line(lobe.roughness)
     return _compensate(lobe, ggx_albedo(lobe, cos), average, reflectance)
 
 
@@ -99,7 +95,7 @@ def compensate_reflection(lobe, cos, reflectance):
 def compensate_glass(lobe, cos, tint):
     """Set `energy_scale` of rough glass whose further bounces take the colour `tint`; see `_compensate`."""
     side = GLASS_INSIDE if lobe.ior < 1.0 else GLASS
-    average = _glass_average(side, _index(lobe.ior), math.sqrt(_alpha(lobe)))
+    average = _glass_average(side, _index(lobe.ior), lobe.roughness)
     return _compensate(lobe, glass_albedo(lobe, cos), average, tint)
 
 
@@ -120,8 +116,10 @@ def _compensate(lobe, albedo, average, reflectance):
 
 
 @kernel
-def _alpha(lobe):
-    return math.sqrt(lobe.alpha_x * lobe.alpha_y)
+def set_roughness(lobe):
+    """Where the tables are asked for this lobe: once for all questions of a hit."""
+    lobe.alpha = math.sqrt(lobe.alpha_x * lobe.alpha_y)
+    lobe.roughness = math.sqrt(lobe.alpha)
 
 
 @kernel

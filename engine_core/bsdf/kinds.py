@@ -70,6 +70,18 @@ def lobe_evaluate_and_pdf(lobe, wo, wi):
 
 
 @kernel
+def is_mirror(kind):
+    """Whether a LobeKind is made of microfacets that reflect and do nothing else."""
+    return kind == LobeKind.CONDUCTOR or kind == LobeKind.COATING
+
+
+@kernel
+def mirror_value(lobe, m):
+    """`lobe_evaluate_and_pdf` of such a kind, whose Reflection `m` is known."""
+    return conductor.value_of(lobe, m) if lobe.kind == LobeKind.CONDUCTOR else coating.value_of(lobe, m)
+
+
+@kernel
 def lobe_sample(lobe, wo, u_choice, u0, u1):
     if lobe.kind == LobeKind.DIFFUSE:
         return diffuse.sample(lobe, wo, u_choice, u0, u1)

@@ -7,6 +7,7 @@ Widths alpha_x and alpha_y along the axes of the local frame. With s(w) the leng
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,6 +25,12 @@ MATCHED = np.float32(1e-4)  # |ior - 1| below which light is not bent, however r
 @kernel
 def is_smooth(lobe):
     return lobe.alpha_x * lobe.alpha_y < SMOOTH
+
+
+@kernel
+def has_facets_of(lobe, other):
+    """Whether two lobes have equal microfacets."""
+    return lobe.alpha_x == other.alpha_x and lobe.alpha_y == other.alpha_y and lobe.facets == other.facets
 
 
 @kernel
@@ -109,15 +116,25 @@ def reflection_bound(lobe, wo):
     return (1.0 - a2) * s2 / (s2 + a2 * wo.z * wo.z)
 
 
+class Reflection(NamedTuple):
+    """What microfacets reflect from one direction to another, whatever they are made of."""
+
+    f: float  # f |cos| without Fresnel
+    pdf: float  # of `sample_reflection`
+    cos_h: float  # wo . h
+
+
 @kernel
 def evaluate_reflection(lobe, wo, wi):
-    """(f |cos| without Fresnel, pdf of `sample_reflection`, wo . h) for wo and wi above the horizon."""
+    """The Reflection from wi to wo; nothing from below the horizon, and of what is smooth."""
+    if wo.z <= 0.0 or wi.z <= 0.0 or is_smooth(lobe):
+        return Reflection(ZERO, ZERO, ZERO)
     h = normalize(wo + wi)
     so, si = stretched_length(lobe, wo), stretched_length(lobe, wi)
     half_d = 0.5 * distribution(lobe, h)
     f = half_d * wi.z / (wi.z * so + wo.z * si)
     pdf = half_d / (reflection_bound(lobe, wo) * wo.z + so)
-    return f, pdf, dot(wo, h)
+    return Reflection(f, pdf, dot(wo, h))
 
 
 @kernel

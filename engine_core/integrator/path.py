@@ -52,6 +52,8 @@ def trace(scene, settings, film, sampler, ray, time):
 
         # ---- How does this place scatter? ------------------------------------------------------------------------
         wo = make_bsdf(scene, settings, walk, it, bsdf)
+        if bsdf.count == 0:
+            break
         set_guide(scene, it, bsdf)
         dimension = dimension_of(walk)
         u_select, u_lobe = sample_2d(sampler, dimension)

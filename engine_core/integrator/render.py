@@ -9,6 +9,7 @@ import math
 import numpy as np
 
 from ..camera.dispatch import generate_ray
+from ..camera.lens import is_pinhole
 from ..film.filter import sample_filter
 from ..film.sharing import area_of, give
 from ..jit import kernel, variant
@@ -61,9 +62,9 @@ def render_tile(scene, settings, film, x0, y0, width, height, most):
                     dx, dy = area.x + u0 * area.width - 0.5, area.y + u1 * area.height - 0.5
                 else:
                     dx, dy = sample_filter(settings, u0, u1)
-                u0, u1 = sample_2d(sampler, 1)
                 time = shutter_time(scene.camera[0], sample_1d(sampler, 2)) if moving else ZERO
                 camera = camera_at(scene, time, scratch)
+                u0, u1 = (ZERO, ZERO) if is_pinhole(camera) else sample_2d(sampler, 1)
                 ray = generate_ray(
                     camera,
                     (np.float32(frame_x) + 0.5 + dx) * scale_x,

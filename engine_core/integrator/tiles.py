@@ -59,7 +59,7 @@ class Render:
         if settings.crop_width < 1 or settings.crop_height < 1 or settings.samples < 1:
             raise ValueError("a render needs at least one pixel and one sample")
         shares = int(settings.share_samples != 0 and sharing.can_share(settings))
-        self.scene, self.settings = scene, Settings(*settings)._replace(share_samples=shares).plain()
+        self.scene, self.settings = scene, Settings(*settings)._replace(share_samples=shares)
         self.guide = make_guide(scene, self.settings)
         if self.guide is not None:
             self.scene = self.guide.scene
@@ -230,7 +230,7 @@ class Render:
             return goal, goal
         if self._importance is None:
             self._importance = self.noise.importance()
-        return end, adaptive.distribute(self._importance, samples, end, 1 << index_bits(self.settings))
+        return end, adaptive.distribute(self._importance, samples, end, 1 << index_bits(self.settings.row()))
 
     def _expected_end(self):
         """Samples of a pixel on average when the first of the three limits will be reached, as far as one knows yet."""
@@ -314,7 +314,7 @@ class Render:
         kernels = RENDER_TILE_IN_MEDIA if self.scene.world["has_media"][0] else RENDER_TILE
         render_tile = kernels[self.settings.integrator]
         for _ in range(0, LARGEST_JOB, LARGEST_BATCH):
-            if render_tile(self.scene, self.settings, self.film, *tile, LARGEST_BATCH) < tile[3]:
+            if render_tile(self.scene, self.settings.row(), self.film, *tile, LARGEST_BATCH) < tile[3]:
                 return False
         return True
 

@@ -16,6 +16,7 @@ compiler has to carry about; one pointer does not.
 `scratch_record(dtype)` makes a row on the stack of the kernel that calls it.
 """
 
+import hashlib
 import operator
 
 import numpy as np
@@ -72,7 +73,9 @@ class TablesType(types.Type):
 
     def __init__(self, name, fields):
         self.fields = fields  # ((name, numba Record), ...)
-        super().__init__(name=f"{name}({', '.join(f'{n}: {r.name}' for n, r in fields)})")
+        # by a digest: the name is part of the name of every kernel that takes the tables
+        layout = ", ".join(f"{n}: {r.name}" for n, r in fields)
+        super().__init__(name=f"{name}({hashlib.sha256(layout.encode()).hexdigest()[:16]})")
 
 
 class TableType(types.Type):
