@@ -63,8 +63,7 @@ class Settings(NamedTuple):
     exposure: float = 1.0
 
     def row(self):
-        """The same as one row of SETTINGS, which is what kernels read: a pointer, where a tuple would be 29 arguments of
-        every call."""
+        """The same as a row of SETTINGS, for kernels: one pointer, where a tuple would be 29 arguments of each call."""
         return np.array([tuple(self)], SETTINGS)[0]
 
 

@@ -10,12 +10,12 @@ from engine_core.accel.traverse import intersect_closest
 from engine_core.jit import kernel
 from engine_core.light import dispatch
 from engine_core.light.triangle import row_at
-from engine_core.linalg.vec3 import Vec3
+from engine_core.linalg.vec3 import Vec3, load3
 from engine_core.scene.emitters import FLOOR, MOST_PARTS
 from engine_core.scene.materials import Emission
 from engine_core.shader.graph import Image, node, part
 from engine_core.shader.opcodes import InputVector, Interpolation, Op
-from engine_core.shape.interaction import make_interaction
+from engine_core.shape.interaction import make_interaction, new_interaction
 from engine_core.tables import MAX_PART_LEVEL, Visibility
 
 SQUARE = np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], np.float32)
@@ -51,7 +51,7 @@ def shining(pixels, *placements, grid=1):
 @kernel
 def _hit_rows(scene, p, rows, u, result):
     """For samples of rows of LIGHT, the row that the ray there finds."""
-    origin = Vec3(p[0], p[1], p[2])
+    origin, it = Vec3(p[0], p[1], p[2]), new_interaction()
     for i in range(len(rows)):
         s = dispatch.sample(scene, scene.lights[rows[i]], origin, u[i, 0], u[i, 1])
         hit = intersect_closest(
@@ -59,8 +59,8 @@ def _hit_rows(scene, p, rows, u, result):
         )
         result[i] = -1
         if hit.prim >= 0:
-            it = make_interaction(scene, hit, origin, s.wi, np.float32(0.0))
-            result[i] = row_at(scene, it.light, it.p)
+            make_interaction(scene, it, hit, origin, s.wi, np.float32(0.0))
+            result[i] = row_at(scene, it.light, load3(it, "p"))
 
 
 TWO_SIDES = np.array([[1, 0, 0, 1.5], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1.0]])

@@ -23,8 +23,8 @@ from ..jit import kernel
 from ..linalg.vec3 import BLACK, WHITE, Vec3, average, dot, is_black, load3, max_component, store3
 from ..tables import FresnelKind, LobeKind, Visibility
 from . import coating, conductor, dielectric, hair, thin_wall
-from .kinds import is_delta, is_mirror, lobe_albedo, lobe_evaluate_and_pdf, lobe_sample, mirror_value
 from .energy import set_roughness
+from .kinds import is_delta, is_mirror, lobe_albedo, lobe_evaluate_and_pdf, lobe_sample, mirror_value
 from .lobe import ONE, ZERO, has_no_sides, is_fibre, is_matt
 from .microfacet import Reflection, evaluate_reflection, has_facets_of, is_smooth, passes_straight
 

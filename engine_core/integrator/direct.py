@@ -19,7 +19,7 @@ from ..sampling.mis import power_heuristic
 from ..shader.evaluate import light_radiance, run_program
 from ..shader.opcodes import Entry
 from ..shader.point import new_point, set_surface, set_world
-from ..shape.interaction import make_interaction
+from ..shape.interaction import make_interaction, new_interaction
 from ..tables import MaterialFlag, Visibility
 from .guided import guided_pdf
 from .targets import choose
@@ -48,7 +48,7 @@ def sample_direct(scene, settings, walk, it, bsdf, wo, looks, u_select, u0, u1):
 
     `looks`: how many such samples are taken, and added; each is weighed so that together they count as one.
     """
-    row, pmf_light, _ = select(scene, it.p, it.ns, walk.both_sides != 0, u_select)
+    row, pmf_light, _ = select(scene, load3(it, "p"), load3(it, "ns"), walk.both_sides != 0, u_select)
     if pmf_light <= 0.0:
         return BLACK
     return light_of(scene, settings, walk, it, bsdf, wo, row, np.float32(looks) * pmf_light, u0, u1)
@@ -65,26 +65,26 @@ def sample_delta(scene, settings, walk, it, bsdf, wo, u_select):
 @kernel
 def light_of(scene, settings, walk, it, bsdf, wo, row, pmf_light, u0, u1):
     """Light from the row of LIGHT, which was chosen with the probability `pmf_light`, or so often by several tries."""
-    light = scene.lights[row]
-    s = light_dispatch.sample(scene, light, it.p, u0, u1)
+    light, at, ng = scene.lights[row], load3(it, "p"), load3(it, "ng")
+    s = light_dispatch.sample(scene, light, at, u0, u1)
     if s.pdf <= 0.0 or (is_black(s.radiance) and (light.program == 0 or light.gain > 0.0)):
         return BLACK
     below = lift_below(scene, walk, it, s.wi)
-    f, pdf_bsdf = bsdf_dispatch.evaluate_lit(bsdf, wo, s.wi, it.ns if below > 0.0 else it.ng)
+    f, pdf_bsdf = bsdf_dispatch.evaluate_lit(bsdf, wo, s.wi, load3(it, "ns") if below > 0.0 else ng)
     if light.visibility & SCATTERED != SCATTERED:
         f = f * bsdf_dispatch.share_seeing(bsdf, wo, s.wi, light.visibility)
     if is_black(f):
         return BLACK
     pdf_light = s.pdf * pmf_light
     f = f * (1.0 / pdf_light)
-    o = offset_ray_origin(it.p, it.ng if dot(s.wi, it.ng) > 0.0 else -it.ng)
+    o = offset_ray_origin(at, ng if dot(s.wi, ng) > 0.0 else -ng)
     if below > 0.0:
         o = lifted(scene, walk, it, s.wi, below)
     if s.distance == FAR:
         f = f * shadow_transmittance(scene, settings, walk, it, o, s.wi, FAR)
     else:
         # To the very point that was sampled, moved off the emitter as `o` is off the surface: neither blocks the way.
-        q = it.p + s.wi * s.distance
+        q = at + s.wi * s.distance
         n = light_dispatch.surface_normal(light, q)
         q = offset_ray_origin(q, n if dot(s.wi, n) < 0.0 else -n)
         f = f * shadow_transmittance(scene, settings, walk, it, o, q - o, ALMOST_ONE)
@@ -93,8 +93,7 @@ def light_of(scene, settings, walk, it, bsdf, wo, row, pmf_light, u0, u1):
     if not s.is_delta:
         f = f * power_heuristic(pdf_light, guided_pdf(scene, bsdf, s.wi, pdf_bsdf))
     if light.program > 0:  # after the shadow: a program costs more than a ray
-        p = it.p + s.wi * s.distance
-        L = light_radiance(scene, light, new_point(), p, s.wi, s.distance, walk.visibility)
+        L = light_radiance(scene, light, new_point(), at + s.wi * s.distance, s.wi, s.distance, walk.visibility)
         return f * L * s.radiance if light.gain > 0.0 else f * L
     return f * s.radiance
 
@@ -106,14 +105,13 @@ def shadow_transmittance(scene, settings, walk, it, o, d, t_max):
     """
     if scene.world[0].transparent_shadows == 0:
         return BLACK if occluded(scene, o, d, t_max, walk.time) else WHITE
-    transmittance = WHITE
-    t_min = ZERO
+    transmittance, at, t_min = WHITE, new_interaction(), ZERO
     for _ in range(settings.transparent_bounces - walk.transparent_bounces + 1):
         hit = intersect_closest(scene, o, d, t_min, t_max, Visibility.SHADOW.value, walk.time)
         if hit.prim < 0:
             return transmittance
-        it = make_interaction(scene, hit, o, d, walk.time)
-        transmittance = transmittance * transparency(scene, it, hit, d)
+        make_interaction(scene, at, hit, o, d, walk.time)
+        transmittance = transmittance * transparency(scene, at, hit, d)
         if is_black(transmittance):
             return BLACK
         t_min = hit.t
@@ -146,7 +144,7 @@ def surface_emission(scene, it, Le, d, origin, distance):
         return BLACK
     if it.light < 0:
         return Le
-    return Le * mis_weight(scene, row_at(scene, it.light, it.p), d, origin, distance)
+    return Le * mis_weight(scene, row_at(scene, it.light, load3(it, "p")), d, origin, distance)
 
 
 @kernel

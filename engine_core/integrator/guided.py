@@ -25,7 +25,7 @@ def set_guide(scene, it, bsdf):
         if is_matt(bsdf.lobes[i].kind):
             matt += bsdf.lobes[i].pmf
     if matt > 0.0:
-        bsdf.cell = cell_at(scene, it.p, it.ng)
+        bsdf.cell = cell_at(scene, load3(it, "p"), load3(it, "ng"))
         bsdf.guided = matt * scene.guide_cells[bsdf.cell].guided
 
 

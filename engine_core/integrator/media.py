@@ -23,7 +23,7 @@ from ..medium import equiangular, homogeneous, inside
 from ..medium.dispatch import gather_phases
 from ..medium_tables import MEDIA, PHASES
 from ..sampling.sobol import sample_1d, sample_2d
-from ..shape.interaction import Interaction, make_interaction
+from ..shape.interaction import make_interaction, new_interaction
 from ..tables import BOUNDARY_SHIFT, PLAIN_SHIFT, MaterialFlag, TreeKind, Visibility
 from . import direct, mixture, path, phases, uniform, walk
 from .direct import transparency
@@ -88,13 +88,13 @@ def look_up(scene, media, o, time):
 
     By those that have a surface. A box may reach to the ceiling, and only one of them would be met.
     """
-    entered, found = new_media(), new_touching()
+    entered, found, it = new_media(), new_touching(), new_interaction()
     entered.count = 0
     for _ in range(MOST_PROBED):
         hit = surface_above(scene, o, time)
         if hit.prim < 0:
             return
-        it = make_interaction(scene, hit, o, UP, time)
+        make_interaction(scene, it, hit, o, UP, time)
         find_touching(scene, it, ABOVE_US, found)
         for i in range(found.count):
             instance, medium = found.instance[i], found.medium[i]
@@ -102,7 +102,7 @@ def look_up(scene, media, o, time):
                 inside.cross(scene, entered, instance, medium, False)
             elif not inside.contains(entered, instance, medium):
                 inside.cross(scene, media, instance, medium, False)
-        o = offset_ray_origin(it.p, -it.ng)
+        o = offset_ray_origin(load3(it, "p"), -load3(it, "ng"))
 
 
 look_up_among_boundaries = in_media(
@@ -136,7 +136,7 @@ def pass_surface(path, it):
     """As that of `vacuum`. The ray begins anew behind all that lies at `it`, which `go_through` has crossed."""
     path.distance += path.t
     path.t_max -= path.t
-    store3(path, "o", offset_ray_origin(it.p, -it.ng))
+    store3(path, "o", offset_ray_origin(load3(it, "p"), -load3(it, "ng")))
 
 
 @kernel
@@ -187,7 +187,8 @@ def met_instead(scene, it, hit, visibility, time):
 @kernel
 def surface_at(scene, it, t, visibility, time):
     """The surface that lies in one place with what is at `it`, a Hit at `t`."""
-    before, behind = offset_ray_origin(it.p, it.ng), offset_ray_origin(it.p, -it.ng)
+    p, ng = load3(it, "p"), load3(it, "ng")
+    before, behind = offset_ray_origin(p, ng), offset_ray_origin(p, -ng)
     surface = intersect_closest(scene, before, behind - before, ZERO, ONE, visibility, time)
     return Hit(t, surface.kind, surface.prim, surface.instance, surface.b1, surface.b2)
 
@@ -196,7 +197,8 @@ def surface_at(scene, it, t, visibility, time):
 def arrive(scene, settings, path, hit):
     """As that of `walk`. What is scattered before it never asks which of several things in one place was met."""
     if path.side == ABOVE and not is_plain(scene, hit):
-        it = make_interaction(scene, hit, load3(path, "o"), load3(path, "d"), path.time)
+        it = path.vertex
+        make_interaction(scene, it, hit, load3(path, "o"), load3(path, "d"), path.time)
         other = met_instead(scene, it, hit, path.visibility, path.time)
         if other.prim >= 0:
             hit = other
@@ -266,9 +268,9 @@ def is_scattered(scene, settings, path, sampler, hit):
 @kernel
 def shadow_transmittance(scene, settings, path, it, o, d, t_max):
     """As that of `direct`: what gets through media and their boundaries, too."""
-    media = new_media()
+    media, at = new_media(), new_interaction()
     copy_record(media, path.media)
-    if dot(d, it.ng) < 0.0:
+    if dot(d, load3(it, "ng")) < 0.0:
         go_through(scene, media, it, Visibility.SHADOW.value)
     metres = length(d)
     clear, passed = WHITE, 0
@@ -278,12 +280,12 @@ def shadow_transmittance(scene, settings, path, it, o, d, t_max):
             clear = clear * homogeneous.transmittance(load3(media, "sigma_t"), hit.t * metres)
         if hit.prim < 0:
             return clear
-        at = make_interaction(scene, hit, o, d, path.time)
+        make_interaction(scene, at, hit, o, d, path.time)
         if not is_plain(scene, hit):
             other = met_instead(scene, at, hit, Visibility.SHADOW.value, path.time)
             if other.prim >= 0:
                 hit = other
-                at = make_interaction(scene, hit, o, d, path.time)
+                make_interaction(scene, at, hit, o, d, path.time)
         if not scene.materials[at.material].flags & MaterialFlag.BOUNDARY.value:
             passed += 1
             clear = clear * transparency(scene, at, hit, d)
@@ -292,7 +294,7 @@ def shadow_transmittance(scene, settings, path, it, o, d, t_max):
         if is_black(clear):
             return BLACK
         go_through(scene, media, at, Visibility.SHADOW.value)
-        o = offset_ray_origin(at.p, -at.ng)
+        o = offset_ray_origin(load3(at, "p"), -load3(at, "ng"))
         t_max -= hit.t
     return BLACK
 
@@ -302,8 +304,13 @@ def shadow_transmittance(scene, settings, path, it, o, d, t_max):
 
 @kernel
 def arrive_in_media(scene, path, found):
-    """The place as an Interaction that has no normal; `found` is set to its phase functions."""
-    p = load3(path, "o")
+    """The vertex: a row of INTERACTION that has no normal; `found` is set to its phase functions."""
+    p, it = load3(path, "o"), path.vertex
+    store3(it, "p", p)
+    store3(it, "ng", BLACK)
+    store3(it, "ns", BLACK)
+    it.instance = it.material = it.light = it.kind = it.prim = it.through = NONE
+    it.backfacing, it.time = 0, path.time
     gather_phases(scene, path.media, load3(path, "beta"), found)
     path.both_sides, path.prim = 1, NONE
     if path.first_hit == 0:
@@ -311,7 +318,7 @@ def arrive_in_media(scene, path, found):
         store3(path, "first_p", p)
         store3(path, "first_albedo", albedo)
         path.first_hit = 1
-    return Interaction(p, BLACK, BLACK, NONE, NONE, NONE, False, path.time, NONE, NONE, NONE)
+    return it
 
 
 @kernel
@@ -355,7 +362,7 @@ def scatter_by_mixture(scene, settings, path, sampler):
     if scene.world[0].delta_count > 0:
         gather_direct(settings, path, sample_delta_in_media(scene, settings, path, it, found, wo, u_delta))
     u0, u1 = sample_2d(sampler, dimension + 2)
-    s = sample_mixture_in_media(scene, it.p, found, wo, u_phase, u_target, u0, u1)
+    s = sample_mixture_in_media(scene, load3(it, "p"), found, wo, u_phase, u_target, u0, u1)
     return follow_in_media(scene, settings, path, it, s, ZERO) and survives(settings, path, sampler, dimension + 3)
 
 

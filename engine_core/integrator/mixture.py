@@ -11,7 +11,7 @@ import numpy as np
 from ..bsdf import dispatch as bsdf_dispatch
 from ..bsdf.dispatch import BsdfSample
 from ..jit import kernel
-from ..linalg.vec3 import BLACK
+from ..linalg.vec3 import BLACK, load3
 from ..sampling.sobol import sample_1d, sample_2d
 from ..tables import LobeKind
 from . import targets
@@ -70,7 +70,7 @@ def trace(scene, settings, film, sampler, ray, time):
 
         # ---- Choose where to go ----------------------------------------------------------------------------------
         u0, u1 = sample_2d(sampler, dimension + 2)
-        s = sample_mixture(scene, it.p, bsdf, wo, u_lobe, u_target, u0, u1)
+        s = sample_mixture(scene, load3(it, "p"), bsdf, wo, u_lobe, u_target, u0, u1)
         if s.kind == LobeKind.SUBSURFACE:
             go_below(walk, sampler, it, bsdf, u_lobe)
         if not follow(scene, settings, walk, it, s, ZERO):

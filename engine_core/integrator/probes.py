@@ -27,7 +27,7 @@ from ..shader import link
 from ..shader.graph import nodes_below
 from ..shader.opcodes import INSIDE, ONLY_LOCAL, Entry, Op
 from ..shader.operands import give_number, give_vector, number, vector
-from ..shape.interaction import make_interaction
+from ..shape.interaction import make_interaction, new_interaction
 from ..tables import Visibility
 
 ZERO, ONE = np.float32(0.0), np.float32(1.0)
@@ -138,7 +138,7 @@ def bevel(scene, point, radius, samples):
     s, t = frame_from_normal(n)
     seed = seed_of(point)
     r0, r1 = to_unit_float(seed), to_unit_float(hash_combine(seed, np.uint32(1)))
-    total = BLACK
+    total, it = BLACK, new_interaction()
     for i in range(samples):
         u0, u1 = (np.float32(i) + r0) / np.float32(samples), fraction(np.float32(i) * GOLDEN + r1)
         axis, a, b, phi = n, s, t, 2.0 * u0  # of which the normal is taken twice as often as a tangent
@@ -157,13 +157,14 @@ def bevel(scene, point, radius, samples):
             if hit.prim < 0 or pdf_disk <= 0.0:
                 break
             found = Hit(hit.t, np.int64(instance.kind), hit.prim, np.int64(point.instance), hit.b1, hit.b2)
-            it = make_interaction(scene, found, o, -axis, point.time)
-            through, along = share * abs(dot(axis, it.ng)), (0.75 - share) * abs(dot(a, it.ng))
-            across = 0.25 * abs(dot(b, it.ng))
+            make_interaction(scene, it, found, o, -axis, point.time)
+            ng, ns = load3(it, "ng"), load3(it, "ns")
+            through, along = share * abs(dot(axis, ng)), (0.75 - share) * abs(dot(a, ng))
+            across = 0.25 * abs(dot(b, ng))
             w = through / (through * through + along * along + across * across)
-            w *= falloff(length(it.p - p) / radius) / pdf_disk
-            total = total + (-it.ns if it.backfacing else it.ns) * w
-            o, left = offset_ray_origin(it.p, -it.ng), left - hit.t
+            w *= falloff(length(load3(it, "p") - p) / radius) / pdf_disk
+            total = total + (-ns if it.backfacing else ns) * w
+            o, left = offset_ray_origin(load3(it, "p"), -ng), left - hit.t
     if dot(total, total) == 0.0:
         return own
     total = normalize(total)
@@ -208,8 +209,9 @@ def raycast(scene, op, point, registers):
         else:
             hit = intersect_closest(scene, start, d, ZERO, reach, ALL, point.time)
         if hit.prim >= 0:
-            it = make_interaction(scene, hit, start, d, point.time)
-            is_hit, distance, normal = ONE, hit.t, it.ns
+            it = new_interaction()
+            make_interaction(scene, it, hit, start, d, point.time)
+            is_hit, distance, normal = ONE, hit.t, load3(it, "ns")
             is_self = ONE if it.instance == point.instance else ZERO
             place = o + d * hit.t
     store_float(registers, op.out, is_hit)

@@ -69,8 +69,8 @@ MEAN_FREE_PATHS_TO_FAR_SIDE = np.float32(10.0)  # how far a far side is looked f
 def prepare_walk(below, it, bsdf, sampler, dimension, u_lobe):
     """What the walk has to know of the place and of the lobe that `u_lobe` chose."""
     lobe = bsdf.lobes[bsdf_dispatch.chosen_lobe(bsdf, u_lobe)]
-    store3(below, "entry", it.p)
-    store3(below, "n", it.ns)
+    store3(below, "entry", load3(it, "p"))
+    store3(below, "n", load3(it, "ns"))
     store3(below, "color", load3(lobe, "f0"))
     store3(below, "radius", load3(lobe, "f82"))
     below.kind, below.g, below.ior = lobe.fresnel, lobe.g, lobe.ior

@@ -12,7 +12,7 @@ import numpy as np
 from ..jit import kernel
 from ..linalg.ray import offset_ray_origin
 from ..linalg.transform import transform_vector
-from ..linalg.vec3 import dot, load3_at, normalize
+from ..linalg.vec3 import dot, load3, load3_at, normalize
 from ..motion import instance_at, new_instance
 
 ZERO = np.float32(0.0)
@@ -24,7 +24,7 @@ def lift_below(scene, walk, it, wi):
     most = scene.world[0].lift_below
     if most <= 0.0 or walk.prim < 0:
         return ZERO
-    flat, smooth = dot(it.ng, wi), dot(it.ns, wi)
+    flat, smooth = dot(load3(it, "ng"), wi), dot(load3(it, "ns"), wi)
     if (flat if smooth >= 0.0 else -flat) >= 2.0 * most:
         return ZERO
     return scene.objects[it.instance].lift_below
@@ -33,11 +33,11 @@ def lift_below(scene, walk, it, wi):
 @kernel
 def lifted(scene, walk, it, wi, below):
     """Origin of a shadow ray along `wi` from `it`, on the side that the smooth normal says."""
-    smooth = dot(it.ns, wi)
-    ng = it.ng if smooth >= 0.0 else -it.ng
+    smooth = dot(load3(it, "ns"), wi)
+    ng = load3(it, "ng") if smooth >= 0.0 else -load3(it, "ng")
     flat, smooth = dot(ng, wi), abs(smooth)
     share = 2.0 - (flat + smooth) / below if smooth < below else 1.0 - flat / below
-    p = it.p
+    p = load3(it, "p")
     if share > 0.0:
         p = p + height(scene, walk, it, ng) * min(share, 1.0)
     return offset_ray_origin(p, ng)

@@ -11,8 +11,9 @@ from ..accel.traverse import Hit, intersect_instance
 from ..jit import kernel
 from ..linalg.ray import offset_ray_origin
 from ..linalg.records import scratch_record
+from ..linalg.vec3 import load3
 from ..motion import instance_at, new_instance
-from ..shape.interaction import make_interaction
+from ..shape.interaction import make_interaction, new_interaction
 from ..tables import PLAIN_SHIFT
 
 MOST_TOUCHING = 8
@@ -35,7 +36,8 @@ def find_touching(scene, it, visibility, found):
     found.count = 0
     add(scene, found, it)
     world = scene.world[0]
-    before, behind = offset_ray_origin(it.p, it.ng), offset_ray_origin(it.p, -it.ng)
+    p, ng = load3(it, "p"), load3(it, "ng")
+    before, behind = offset_ray_origin(p, ng), offset_ray_origin(p, -ng)
     if world.instance_root >= 0:
         search(scene, world.instance_root, it.instance, before, behind - before, visibility, it.time, found)
     if world.moving_root >= 0:
@@ -45,7 +47,7 @@ def find_touching(scene, it, visibility, found):
 @kernel
 def search(scene, root, own, o, d, visibility, time, found):
     """Add what lies between o and o + d, of the instances in the tree below `root` but the row `own`."""
-    stack, slabs, scratch = stack_scratch(), make_slabs(o, d), new_instance()
+    stack, slabs, scratch, it = stack_scratch(), make_slabs(o, d), new_instance(), new_interaction()
     top = start(stack, root)
     while True:
         leaf, top = next_leaf(scene, scene.instances, slabs, stack, top, ZERO, ONE)
@@ -59,7 +61,8 @@ def search(scene, root, own, o, d, visibility, time, found):
         hit = intersect_instance(scene, instance, o, d, ZERO, ONE)
         if hit.prim >= 0:
             kind = np.int64(instance.kind)
-            add(scene, found, make_interaction(scene, Hit(hit.t, kind, hit.prim, row, hit.b1, hit.b2), o, d, time))
+            make_interaction(scene, it, Hit(hit.t, kind, hit.prim, row, hit.b1, hit.b2), o, d, time)
+            add(scene, found, it)
 
 
 @kernel

@@ -23,7 +23,7 @@ from ..sampling.sobol import sample_1d
 from ..shader.evaluate import emission, fill_bsdf, has_program, holdout
 from ..shader.frames import lay_along
 from ..shader.point import set_surface
-from ..shape.interaction import make_interaction
+from ..shape.interaction import INTERACTION, make_interaction
 from ..tables import BSDF, CameraKind, LobeKind, MaterialFlag, TreeKind, Visibility
 from .direct import Origin, background_radiance, lamp_radiance, surface_emission
 from .layers import open_panes
@@ -56,6 +56,7 @@ WALK = np.dtype(
         ("pdf_last", "f4"),
         ("distance", "f4"),  # from there to `o`; more than 0 after passing through something transparent in media
         ("t", "f4"),  # where on the ray the vertex is
+        ("vertex", INTERACTION),
         ("prim", "i4"),  # what it is on: row of TRIANGLE, or -1 ...
         ("b1", "f4"),  # ... and where
         ("b2", "f4"),
@@ -161,9 +162,9 @@ def emerge(scene, walk):
 
 @kernel
 def arrive(scene, settings, walk, hit):
-    """The Interaction with what was hit; gather what shines there."""
-    d = load3(walk, "d")
-    it = make_interaction(scene, hit, load3(walk, "o"), d, walk.time)
+    """The vertex: a row of INTERACTION with what was hit; gather what shines there."""
+    d, it = load3(walk, "d"), walk.vertex
+    make_interaction(scene, it, hit, load3(walk, "o"), d, walk.time)
     walk.prim, walk.b1, walk.b2 = hit.prim if hit.kind == TreeKind.TRIANGLES else NONE, hit.b1, hit.b2
     material = scene.materials[it.material]
     if has_program(material):
@@ -228,8 +229,8 @@ def make_bsdf(scene, settings, walk, it, bsdf):
     fill_bsdf(
         scene,
         material,
-        it.ng,
-        it.ns,
+        load3(it, "ng"),
+        load3(it, "ns"),
         wo,
         walk.point,
         bsdf,
@@ -241,15 +242,15 @@ def make_bsdf(scene, settings, walk, it, bsdf):
     if walk.side == EMERGING:
         walk.side = ABOVE
         bsdf_dispatch.become_matt(bsdf)
-    bsdf_dispatch.prepare(bsdf, wo, it.backfacing)
+    bsdf_dispatch.prepare(bsdf, wo, it.backfacing != 0)
     if material.flags & MaterialFlag.PANE.value and walk.visibility != CAMERA:
         open_panes(bsdf)
     bsdf.shadow_stretch = scene.objects[it.instance].shadow_stretch if scene.world[0].stretches_shadows != 0 else ONE
     bsdf.cell, bsdf.guided = np.int32(-1), ZERO
     walk.both_sides = material.flags & MaterialFlag.TRANSMITS.value != 0
     if walk.first_hit == 0:
-        store3(walk, "first_p", it.p)
-        store3(walk, "first_normal", it.ns)
+        store3(walk, "first_p", load3(it, "p"))
+        store3(walk, "first_normal", load3(it, "ns"))
         store3(walk, "first_albedo", bsdf_dispatch.albedo(bsdf, wo))
         walk.first_hit = 1
     return wo
@@ -272,6 +273,7 @@ def go_below(walk, sampler, it, bsdf, u_lobe):
 @kernel
 def follow(scene, settings, walk, it, s, pdf):
     """Let the path go on along the BsdfSample `s`; False if it ends. `pdf`: for MIS, as Origin has it."""
+    ng = load3(it, "ng")
     if s.pdf <= 0.0:
         return False
     beta = load3(walk, "beta") * s.weight
@@ -287,14 +289,14 @@ def follow(scene, settings, walk, it, s, pdf):
             return False
         if s.kind != LobeKind.SUBSURFACE:
             count_bounce(settings, walk, s)
-            store3(walk, "p_last", it.p)
-            store3(walk, "n_last", it.ns)
+            store3(walk, "p_last", load3(it, "p"))
+            store3(walk, "n_last", load3(it, "ns"))
             walk.both_sides_last, walk.pdf_last, walk.distance, walk.t_max = walk.both_sides, pdf, ZERO, FAR
         walk.t_min = ZERO
-        store3(walk, "o", offset_ray_origin(it.p, it.ng if dot(s.wi, it.ng) > 0.0 else -it.ng))
+        store3(walk, "o", offset_ray_origin(load3(it, "p"), ng if dot(s.wi, ng) > 0.0 else -ng))
         store3(walk, "d", s.wi)
     store3(walk, "beta", beta)
-    if dot(s.wi, it.ng) < 0.0 and s.kind != LobeKind.SUBSURFACE:
+    if dot(s.wi, ng) < 0.0 and s.kind != LobeKind.SUBSURFACE:
         go_through(scene, walk.media, it, walk.visibility)
     return True
 

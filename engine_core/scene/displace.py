@@ -11,13 +11,13 @@ import numpy as np
 
 from ..jit import kernel
 from ..linalg.transform import transform_vector
-from ..linalg.vec3 import BLACK
+from ..linalg.vec3 import BLACK, load3
 from ..shader import graph
 from ..shader.evaluate import run_program
 from ..shader.machine import SurfaceHit
 from ..shader.opcodes import InputVector
 from ..shader.point import new_point, set_surface
-from ..shape.interaction import make_interaction
+from ..shape.interaction import make_interaction, new_interaction
 from ..tables import SLOT, Scene, TreeKind, Visibility
 from .materials import Surface
 from .triangles import triangle_rows
@@ -107,7 +107,7 @@ def _displaced(mesh, displacements, tables, instance, told, slots):
 @kernel
 def _fill_offsets(scene, programs, triangles, offsets, done):
     """How far each vertex is moved, object space; `programs`: rows of PROGRAM by material, 0 for none."""
-    point, instance = new_point(), scene.instances[0]
+    point, it, instance = new_point(), new_interaction(), scene.instances[0]
     for i in range(len(triangles)):
         program = programs[scene.slots[instance.slots + scene.triangles[i].slot].material]
         if program <= 0:
@@ -118,8 +118,8 @@ def _fill_offsets(scene, programs, triangles, offsets, done):
                 continue
             done[vertex] = True
             hit = SurfaceHit(ZERO, TRIANGLES, i, 0, ONE if corner == 1 else ZERO, ONE if corner == 2 else ZERO)
-            it = make_interaction(scene, hit, BLACK, BLACK, ZERO)
-            set_surface(scene, point, it, hit, it.ns, ALL, ZERO)
+            make_interaction(scene, it, hit, BLACK, BLACK, ZERO)
+            set_surface(scene, point, it, hit, load3(it, "ns"), ALL, ZERO)
             offset = transform_vector(instance, "to_object", run_program(scene, program, point))
             offsets[vertex, 0], offsets[vertex, 1], offsets[vertex, 2] = offset.x, offset.y, offset.z
 

@@ -55,14 +55,14 @@ def lay_along(scene, bsdf, it):
     for i in range(bsdf.count):
         lobe = bsdf.lobes[i]
         if lobe.kind == LobeKind.HAIR:
-            _lay(bsdf, lobe, it.ng, tangent)
+            _lay(bsdf, lobe, load3(it, "ng"), tangent)
         elif lobe.kind == LobeKind.HAIR_REFLECTION or lobe.kind == LobeKind.HAIR_TRANSMISSION:
             given = load3(bsdf.frames[lobe.frame], "s")
             if lobe.fresnel == 0:
                 given = bitangent
                 if not is_strand(scene, it):
                     lobe.g = ZERO
-            _lay(bsdf, lobe, it.ns, given)
+            _lay(bsdf, lobe, load3(it, "ns"), given)
 
 
 @kernel

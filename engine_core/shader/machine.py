@@ -14,7 +14,7 @@ from ..linalg.records import copy_record, scratch_record
 from ..linalg.registers import call, load_float, load_vector, store_float, store_vector
 from ..linalg.vec3 import load3, store3
 from ..program_tables import CLOSURE, REGISTERS
-from ..shape.interaction import make_interaction
+from ..shape.interaction import make_interaction, new_interaction
 from ..tables import TreeKind
 from .closures import add_closure
 from .inputs import barycentrics_at
@@ -70,7 +70,8 @@ def run_light(scene, light, point, unused):
         through = light.instance if instance.root >= 0 else -1
         b1, b2 = barycentrics_at(scene, light.instance, row, p, ZERO)
         hit = SurfaceHit(point.ray_length, TRIANGLES, row, through, b1, b2)
-        it = make_interaction(scene, hit, p + wo * point.ray_length, -wo, ZERO)
+        it = new_interaction()
+        make_interaction(scene, it, hit, p + wo * point.ray_length, -wo, ZERO)
         set_surface(scene, point, it, hit, wo, point.visibility, ZERO)
     run_steps(scene, program, point, registers)
     store3(point, "result", result(program, registers) * gain)

@@ -29,10 +29,10 @@ def set_surface(scene, point, it, hit, wo, visibility, footprint):
     point.transmission_bounces = point.transparent_bounces = 0
     point.time, point.ray_length, point.footprint = it.time, hit.t, footprint
     point.b1, point.b2 = hit.b1, hit.b2
-    point.uv[0], point.uv[1] = texture_coordinates(scene, hit, it.p, it.time)
-    store3(point, "p", it.p)
-    store3(point, "ng", it.ng)
-    store3(point, "ns", it.ns)
+    point.uv[0], point.uv[1] = texture_coordinates(scene, hit, load3(it, "p"), it.time)
+    store3(point, "p", load3(it, "p"))
+    store3(point, "ng", load3(it, "ng"))
+    store3(point, "ns", load3(it, "ns"))
     store3(point, "wo", wo)
 
 

@@ -1,33 +1,37 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Where a ray met the scene: from the few numbers of a Hit to all that shading needs."""
 
-from typing import NamedTuple
+import numpy as np
 
 from ..jit import kernel
+from ..linalg.records import scratch_record
 from ..linalg.transform import transform_normal, transform_point, transform_vector
-from ..linalg.vec3 import Vec3, cross, dot, load3_at, normalize
+from ..linalg.vec3 import cross, dot, load3, load3_at, normalize, store3
 from ..motion import instance_at, new_instance
 from ..tables import ShapeKind, TreeKind
 from . import dispatch
 
-
-class Interaction(NamedTuple):
-    p: Vec3  # world space
-    ng: Vec3  # unit geometric normal, on the side that the ray came from
-    ns: Vec3  # unit shading normal, likewise
-    instance: int  # row of INSTANCE
-    material: int  # row of MATERIAL
-    light: int  # row of LIGHT, of a divided triangle the whole, if this place emits and can be sampled; else -1
-    backfacing: bool  # the ray came from behind
-    time: float  # of the ray, 0 to 1 while the shutter is open
-    kind: int  # kind, prim and instance of the Hit
-    prim: int
-    through: int
+INTERACTION = np.dtype(
+    [  # a row and no tuple: kernels hand it on as one pointer, not as 17 arguments
+        ("p", "f4", (3,)),  # world space
+        ("ng", "f4", (3,)),  # unit geometric normal, on the side that the ray came from
+        ("ns", "f4", (3,)),  # unit shading normal, likewise
+        ("instance", "i4"),  # row of INSTANCE
+        ("material", "i4"),  # row of MATERIAL
+        ("light", "i4"),  # row of LIGHT, of a divided triangle the whole, if this place emits and can be sampled; or -1
+        ("backfacing", "i4"),  # 1: the ray came from behind
+        ("time", "f4"),  # of the ray, 0 to 1 while the shutter is open
+        ("kind", "i4"),  # kind, prim and instance of the Hit
+        ("prim", "i4"),
+        ("through", "i4"),
+    ]
+)
+new_interaction = scratch_record(INTERACTION)
 
 
 @kernel
-def make_interaction(scene, hit, o, d, time):
-    """The Interaction of the ray o + t d, `d` unit, with what it hit."""
+def make_interaction(scene, it, hit, o, d, time):
+    """Let the row of INTERACTION `it` be that of the ray o + t d, `d` unit, with what it hit."""
     scratch = new_instance()
     if hit.kind == TreeKind.TRIANGLES:
         triangle = scene.triangles[hit.prim]
@@ -72,7 +76,11 @@ def make_interaction(scene, hit, o, d, time):
     if backfacing:
         ng = -ng
         ns = -ns
-    return Interaction(p, ng, ns, owner, material, light, backfacing, time, hit.kind, hit.prim, hit.instance)
+    store3(it, "p", p)
+    store3(it, "ng", ng)
+    store3(it, "ns", ns)
+    it.instance, it.material, it.light, it.backfacing, it.time = owner, material, light, np.int32(backfacing), time
+    it.kind, it.prim, it.through = hit.kind, hit.prim, hit.instance
 
 
 @kernel
@@ -88,7 +96,7 @@ def tangents(scene, it):
         p0 = load3_at(triangle, "p", 0)
         s, t = load3_at(triangle, "p", 1) - p0, load3_at(triangle, "p", 2) - p0
     else:
-        p = it.p
+        p = load3(it, "p")
         if it.through >= 0:
             p = transform_point(instance_at(scene, it.through, it.time, scratch), "to_object", p)
         s = dispatch.tangent(scene.shapes[it.prim], p)
