@@ -7,9 +7,11 @@ than half of the time that compiling took, and a cache ten times the size.
 
 Here a kernel that is called by a kernel is an *inner* one, which gets as far as LLVM's language and no further. A
 *root* is called by Python, or stands behind an address. It links all inner kernels that can be reached from it; it is
-optimised, made into machine code, and kept on disk as one.
+optimised, made into machine code, and kept on disk as one. So the inner functions in it are its own, and LLVM may change
+how they are called, drop arguments that nobody reads, and put those with one caller into it.
 """
 
+from llvmlite.binding import Linkage
 from numba.core import compiler
 from numba.core.codegen import JITCodeLibrary
 from numba.core.registry import CPUDispatcher
@@ -25,6 +27,7 @@ class KernelLibrary(JITCodeLibrary):
             self._finalized = True
             return
         self._link(self._final_module)
+        self._own(self._final_module)
         self._linking_libraries = []  # they are in it by now
         super().finalize()
 
@@ -39,6 +42,16 @@ class KernelLibrary(JITCodeLibrary):
             self._reload_init.update(library._reload_init)
             is_inner = getattr(library, "is_inner", False)
             module.link_in(library._own_module() if is_inner else library._get_module_for_linking(), preserve=True)
+
+    def _own(self, module):
+        """Tell LLVM that nobody else calls what has been linked, so that it need not keep to numba's way of calling.
+
+        Under names of its own: the linker of a process hands what it knows by a name to all objects that ask for that.
+        """
+        for function in module.functions:
+            if not function.is_declaration and function.linkage == Linkage.linkonce_odr:
+                function.linkage = Linkage.internal
+                function.name = f"{function.name}.{self.name}"
 
     def _own_module(self):
         """The function alone, fit to be linked into several modules."""
