@@ -7,8 +7,8 @@ than half of the time that compiling took, and a cache ten times the size.
 
 Here a kernel that is called by a kernel is an *inner* one, which gets as far as LLVM's language and no further. A
 *root* is called by Python, or stands behind an address. It links all inner kernels that can be reached from it; it is
-optimised, made into machine code, and kept on disk as one. So the inner functions in it are its own, and LLVM may change
-how they are called, drop arguments that nobody reads, and put those with one caller into it.
+optimised, made into machine code, and kept on disk as one. So the inner functions in it are its own, and LLVM may
+change how they are called, drop arguments that nobody reads, and put those with one caller into it.
 """
 
 from llvmlite.binding import Linkage
