@@ -152,7 +152,7 @@ OBJECT = np.dtype(
         ("color", "f4", (4,)),
         ("texture_scale", "f4", (3,)),  # generated coordinates: object space times this ...
         ("texture_offset", "f4", (3,)),  # ... plus this
-        ("first_prim", "i4"),  # row of TRIANGLE or SHAPE of its first one
+        ("first_prim", "i4"),  # row of TRIANGLE or SHAPE of its first one; of hair: of STRAND
         ("attributes", "i4"),  # row of ATTRIBUTE_MAP of attribute 0, or -1
         ("number", "i4"),  # see INSTANCE_VALUE
         ("lift_below", "f4"),  # shadow rays at a cosine below this leave from where its smooth surface would be
@@ -166,6 +166,7 @@ STRAND = np.dtype(
         ("length", "f4"),  # of the whole hair, object space
         ("random", "f4"),  # 0 to 1, a number of the hair
         ("uv", "f4", (2,)),  # of the place where the hair grows
+        ("generated", "f4", (3,)),  # added to the generated coordinates of the object
     ]
 )
 REGISTERS = np.dtype([("value", "f4", (MAX_REGISTERS,))])
@@ -182,9 +183,11 @@ IMAGE = np.dtype(
     ]
 )
 TEXEL = np.dtype([("word", "u4")])  # 4 bytes of pixels: rows of an image follow each other, bottom row first
-ATTRIBUTE_MAP = np.dtype([("first", "i4")])  # row of ATTRIBUTE of triangle 0 of an instance; -1: it has none; for each
+ATTRIBUTE_MAP = np.dtype(
+    [("first", "i4")]
+)  # row of ATTRIBUTE of its first triangle or piece of hair; -1: none; for each
 # instance as many rows as the scene has names of attributes
-ATTRIBUTE = np.dtype([("value", "f4", (3, 4))])  # of a triangle: at each corner
+ATTRIBUTE = np.dtype([("value", "f4", (3, 4))])  # at each corner of a triangle; at start and end of a piece of hair
 # One for all of an instance: a block for each name, and in it a row for each instance, by the `number` of its OBJECT
 INSTANCE_VALUE = np.dtype([("value", "f4", (4,))])
 CELL = np.dtype([("cdf", "f4")])  # of the map by which the world is sampled, see light/background.py

@@ -69,17 +69,25 @@ def _values(b_mesh, name):
         attribute = layers[layers.render_color_index] if 0 <= layers.render_color_index < len(layers) else None
     else:
         attribute = b_mesh.attributes.get(name)
+    values = owned_values(attribute)
+    return None if values is None else values[_owners(b_mesh, attribute.domain)]
+
+
+def owned_values(attribute):
+    """Values of an attribute for each that owns some, as colours or vectors, float32 (n, 3 or 4); None without any."""
     size = SIZES.get(attribute.data_type) if attribute else None
     if size is None or not len(attribute.data):
         return None
     values = np.empty(len(attribute.data) * size, np.float32)
     attribute.data.foreach_get(PROPERTIES.get(attribute.data_type, "value"), values)
-    values = values.reshape(-1, size)
-    if size == 1:
-        values = np.repeat(values, 3, axis=1)
-    elif size == 2:
-        values = np.concatenate([values, np.zeros((len(values), 1), np.float32)], axis=1)
-    return values[_owners(b_mesh, attribute.domain)]
+    return three_at_least(values.reshape(-1, size))
+
+
+def three_at_least(values):
+    """Numbers as grey, pairs with a third number, 0; (n, 3 or 4)."""
+    if values.shape[1] == 1:
+        return np.repeat(values, 3, axis=1)
+    return np.pad(values, ((0, 0), (0, 1))) if values.shape[1] == 2 else values
 
 
 def _owners(b_mesh, domain):

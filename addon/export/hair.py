@@ -5,8 +5,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from . import attributes as named
 from .hashes import hash_of_number, unit
-from .mesh import read
+from .mesh import read, texture_space
+from .pixels import srgb_to_linear
 
 DEFAULT_RADIUS = 0.005  # of a curve without radii, in metres, as in Cycles
 POLY, BEZIER, NURBS = 1, 2, 3
@@ -20,6 +22,9 @@ class StrandArrays(NamedTuple):
     counts: np.ndarray  # int (m,), keys of each strand
     randoms: np.ndarray  # (m,)
     uvs: np.ndarray | None  # (m, 2)
+    generated: np.ndarray | None  # (m, 3)
+    attributes: dict  # name: (n, 3 or 4), at the keys
+    is_smooth: bool
 
 
 # ---- Curves objects --------------------------------------------------------------------------------------------------
@@ -37,10 +42,14 @@ def read_curves(context, name, b_curves):
         radii = read(radius.data, "value", len(keys), np.float32)
     counts = np.diff(read(b_curves.curve_offset_data, "value", len(b_curves.curves) + 1, np.int32))
     kinds = attributes.get("curve_type")
-    if kinds is not None and np.isin(read(kinds.data, "value", len(counts), np.int32), (BEZIER, NURBS)).any():
-        context.warn(name, "Bezier and NURBS curves are rendered as smooth curves through their control points")
-    arrays = StrandArrays(keys, radii, counts, random_numbers(len(counts)), _uvs(attributes, len(counts)))
-    return add_strands(context, name, arrays)
+    kinds = np.zeros(len(counts), np.int32) if kinds is None else read(kinds.data, "value", len(counts), np.int32)
+    if np.isin(kinds, (BEZIER, NURBS)).any():
+        context.warn(
+            name, "Bezier and NURBS curves are rendered as smooth curves through their control points, as in Cycles"
+        )
+    asked = _attributes(attributes, counts, context.attribute_names)
+    randoms, uvs = random_numbers(len(counts)), _uvs(attributes, len(counts))
+    return add_strands(context, name, StrandArrays(keys, radii, counts, randoms, uvs, None, asked, kinds[0] != POLY))
 
 
 def _uvs(attributes, count):
@@ -49,6 +58,17 @@ def _uvs(attributes, count):
         if attribute.domain == "CURVE" and attribute.data_type == "FLOAT2":
             return read(attribute.data, "vector", count, np.float32, 2)
     return None
+
+
+def _attributes(attributes, counts, names):
+    """Those of the names that the curves have, at their keys."""
+    found = {}
+    for name in names:
+        attribute = attributes.get(name)
+        values = named.owned_values(attribute)
+        if values is not None:
+            found[name] = np.repeat(values, counts, axis=0) if attribute.domain == "CURVE" else values
+    return found
 
 
 # ---- Particles -------------------------------------------------------------------------------------------------------
@@ -65,14 +85,14 @@ def read_particle_hair(context, b_object):
         if b_settings.type == "HAIR" and b_settings.render_type == "PATH":
             is_final = context.depsgraph.mode == "RENDER"
             subdivisions = b_settings.render_step if is_final else b_settings.display_step
-            arrays = _grown(b_object, b_modifier, b_system, subdivisions)
+            arrays = _grown(b_object, b_modifier, b_system, subdivisions, context.attribute_names)
             geometry = add_strands(context, f"{b_object.name} ({b_system.name})", arrays)
             if geometry is not None:
                 found.append((geometry, max(b_settings.material - 1, 0)))
     return found
 
 
-def _grown(b_object, b_modifier, b_system, subdivisions):
+def _grown(b_object, b_modifier, b_system, subdivisions, names):
     """The strands of a particle system: children instead of parents, where it has some."""
     b_settings = b_system.settings
     parents, children = len(b_system.particles), len(b_system.child_particles)
@@ -86,9 +106,12 @@ def _grown(b_object, b_modifier, b_system, subdivisions):
     inverse = np.array(b_object.matrix_world.inverted_safe())
     keys = np.array(world, np.float64).reshape(-1, 3) @ inverse[:3, :3].T + inverse[:3, 3]
     radii = _radii(b_settings, keys.reshape(len(numbers), steps, 3))
-    uvs = _emitter_uvs(b_object, b_modifier, b_system, numbers)
-    counts = np.full(len(numbers), steps)
-    return StrandArrays(keys, radii.ravel(), counts, random_numbers(len(numbers)), uvs)
+    uvs, asked = _of_emitter(b_object, b_modifier, b_system, numbers, names)
+    asked = {name: np.repeat(named.three_at_least(values), steps, axis=0) for name, values in asked.items()}
+    scale, offset = texture_space(b_object.data)
+    generated = keys[::steps] * scale + offset
+    counts, randoms = np.full(len(numbers), steps), random_numbers(len(numbers))
+    return StrandArrays(keys, radii.ravel(), counts, randoms, uvs, generated, asked, is_smooth=True)
 
 
 def _radii(b_settings, keys):
@@ -106,15 +129,29 @@ def _radii(b_settings, keys):
     return radii
 
 
-def _emitter_uvs(b_object, b_modifier, b_system, numbers):
-    """Coordinates of the places where strands grow, on the emitter's UV map; None if it has none."""
-    layers = b_object.data.uv_layers
-    if not layers or not len(b_system.particles):
-        return None
-    number = next((i for i, uv in enumerate(layers) if uv.active_render), 0)
-    where, particles = b_system.uv_on_emitter, b_system.particles
-    last = len(particles) - 1
-    return np.array([where(b_modifier, particle=particles[min(n, last)], particle_no=n, uv_no=number) for n in numbers])
+def _of_emitter(b_object, b_modifier, b_system, numbers, names):
+    """What the emitter's UV map says where each strand grows, (m, 2) or None; and of the names {name: values} of those
+    UV maps and colours at corners, in bytes, that it has."""
+    b_mesh, particles = b_object.data, b_system.particles
+    if not len(particles):
+        return None, {}
+    owners = [particles[min(number, len(particles) - 1)] for number in numbers]
+
+    def at_roots(function, **layer):
+        told = [function(b_modifier, particle=b, particle_no=n, **layer) for b, n in zip(owners, numbers, strict=True)]
+        return np.array(told, np.float32).reshape(len(numbers), -1)
+
+    uvs, found = None, {}
+    for layer, b_map in enumerate(b_mesh.uv_layers):
+        if b_map.active_render or b_map.name in names:
+            values = at_roots(b_system.uv_on_emitter, uv_no=layer)
+            uvs = values if b_map.active_render else uvs
+            found |= {b_map.name: values} if b_map.name in names else {}
+    colors = [b for b in b_mesh.color_attributes if b.data_type == "BYTE_COLOR" and b.domain == "CORNER"]
+    for layer, b_color in enumerate(colors):
+        if b_color.name in names:
+            found[b_color.name] = srgb_to_linear(at_roots(b_system.mcol_on_emitter, vcol_no=layer))
+    return uvs, found
 
 
 # ---- Both ------------------------------------------------------------------------------------------------------------
@@ -128,12 +165,14 @@ def add_strands(context, name, arrays):
         kept = np.ones(len(arrays.counts), bool)
         kept[owners[~finite]] = False
         context.warn(name, f"{(~kept).sum()} strands have keys that are not finite numbers; they are left out")
-        uvs = None if arrays.uvs is None else arrays.uvs[kept]
         held = kept[owners]
-        arrays = StrandArrays(arrays.keys[held], arrays.radii[held], arrays.counts[kept], arrays.randoms[kept], uvs)
-    if not len(arrays.keys):
-        return None
-    return context.builder.strands(name, arrays.keys, arrays.radii, arrays.counts, arrays.randoms, arrays.uvs)
+        arrays = arrays._replace(
+            **{field: getattr(arrays, field)[held] for field in ("keys", "radii")},
+            **{field: getattr(arrays, field)[kept] for field in ("counts", "randoms")},
+            **{field: values[kept] for field in ("uvs", "generated") if (values := getattr(arrays, field)) is not None},
+            attributes={key: values[held] for key, values in arrays.attributes.items()},
+        )
+    return context.builder.strands(name, *arrays) if len(arrays.keys) else None
 
 
 def random_numbers(count):

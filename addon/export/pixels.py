@@ -100,6 +100,11 @@ def linear_to_srgb(x):
     return np.where(x < 0.0031308, 12.92 * x, 1.055 * x ** (1.0 / 2.4) - 0.055)
 
 
+def srgb_to_linear(x):
+    """Of numbers from 0 to 1."""
+    return np.where(x < 0.04045, x / 12.92, ((x + 0.055) / 1.055) ** 2.4).astype(np.float32)
+
+
 def _encode_bytes(b_image, pixels, dtype):
     covers = pixels.shape[-1] == 4 and has_cover(b_image)
     if dtype == np.uint8:

@@ -8,25 +8,10 @@ from mathutils import Vector
 
 from blender_tests.helpers.engines import cells_in_both
 from blender_tests.helpers.exported import add, empty_scene, square
-from blender_tests.helpers.node_sheet import add as add_node
+from blender_tests.helpers.node_sheet import shine
 
 CELL = 24
 FRAME = 6
-
-
-def shine(output, kind, scale=1.0, offset=0.0, inputs=(), **properties):
-    """A material that shines with what an output of a node gives, times `scale`, plus `offset`."""
-    b_material = bpy.data.materials.new(kind)
-    if bpy.app.version < (5, 0):
-        b_material.use_nodes = True
-    tree = b_material.node_tree
-    tree.nodes.clear()
-    value = add_node(tree, kind, inputs, **properties).outputs[output]
-    operands = {0: value, 1: (scale,) * 3, 2: (offset,) * 3}
-    color = add_node(tree, "VectorMath", operands, operation="MULTIPLY_ADD").outputs[0]
-    emission = add_node(tree, "Emission", {0: color})
-    tree.links.new(emission.outputs[0], tree.nodes.new("ShaderNodeOutputMaterial").inputs["Surface"])
-    return b_material
 
 
 def child(b_material, **properties):

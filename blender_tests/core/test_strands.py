@@ -159,6 +159,34 @@ def test_hairs_tell_how_far_along_they_are():
     np.testing.assert_allclose(at, 1.0 / 3.0, rtol=1e-6)
 
 
+def test_attributes_vary_along_a_hair():
+    """Linearly from key to key, however many pieces there are between two."""
+    t = np.linspace(0.0, 1.0, 4)
+    keys = np.stack([np.cos(4.0 * t), np.sin(4.0 * t), t], axis=1)
+    values = np.array([(1.0, 2.0), (3.0, 5.0), (2.0, 2.0), (4.0, 0.0)])
+    hair = strands("Lock", keys, np.full(4, 0.01), [4], attributes={"Heat": values})
+    given = hair.attributes["Heat"]
+    assert len(given) == len(hair.rows) > 12
+    np.testing.assert_allclose(given[1:, 0], given[:-1, 1])  # one after the other
+    for number, key in enumerate(keys):
+        ends = np.isclose(hair.rows["p"] + hair.rows["u"], key, atol=1e-6).all(axis=1)
+        starts = np.isclose(hair.rows["p"], key, atol=1e-6).all(axis=1)
+        assert ends.sum() == (number > 0)
+        assert starts.sum() == (number < 3)
+        for found in (given[ends, 1], given[starts, 0]):
+            np.testing.assert_allclose(found, np.tile((*values[number], 0.0, 1.0), (len(found), 1)), atol=1e-6)
+
+
+def test_straight_hairs_bend_at_their_keys_only():
+    keys = np.array([(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (1.0, 1.0, 0.0)])
+    hair = strands("Bent", keys, [0.1, 0.2, 0.1], [3], is_smooth=False)
+    np.testing.assert_allclose(hair.rows["u"], keys[1:] - keys[:-1])
+    np.testing.assert_allclose(hair.rows["radius_end"], (0.2, 0.1))
+    diagonal = np.sqrt(0.5)
+    np.testing.assert_allclose(hair.rows["w"], [(diagonal, diagonal, 0.0), (0.0, 1.0, 0.0)], atol=1e-7)
+    np.testing.assert_allclose(hair.rows["v"], [(1.0, 0.0, 0.0), (diagonal, diagonal, 0.0)], atol=1e-7)
+
+
 def test_a_hair_of_one_key_or_no_length_is_nothing():
     assert len(strands("None", np.zeros((0, 3)), [], []).rows) == 0
     assert len(strands("Dots", [(0, 0, 0), (1, 1, 1), (1, 1, 1)], [1, 1, 1], [1, 2]).rows) == 0

@@ -125,3 +125,18 @@ def position(tree, scale=2.0, offset=(0.3, -0.2, 0.1)):
     coordinates = tree.nodes.new("ShaderNodeTexCoord").outputs["Object"]
     moved = add(tree, "VectorMath", {0: coordinates, 1: (scale,) * 3, 2: offset}, operation="MULTIPLY_ADD")
     return moved.outputs[0]
+
+
+def shine(output, kind, scale=1.0, offset=0.0, inputs=(), **properties):
+    """A material that shines with what an output of a node gives, times `scale`, plus `offset`."""
+    b_material = bpy.data.materials.new(kind)
+    if bpy.app.version < (5, 0):
+        b_material.use_nodes = True
+    tree = b_material.node_tree
+    tree.nodes.clear()
+    value = add(tree, kind, inputs, **properties).outputs[output]
+    operands = {0: value, 1: (scale,) * 3, 2: (offset,) * 3}
+    color = add(tree, "VectorMath", operands, operation="MULTIPLY_ADD").outputs[0]
+    emission = add(tree, "Emission", {0: color})
+    tree.links.new(emission.outputs[0], tree.nodes.new("ShaderNodeOutputMaterial").inputs["Surface"])
+    return b_material

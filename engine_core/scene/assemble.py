@@ -57,7 +57,7 @@ class _Assembly:
         self.slots = []
         self.instances = np.zeros(len(self.placements), INSTANCE)
         self.objects = np.zeros(len(self.placements), OBJECT)
-        self.first_prims = {}  # number of a geometry: row of TRIANGLE or SHAPE of its first one
+        self.first_prims = {}  # number of a geometry: row of TRIANGLE, SHAPE or STRAND of its first one
         self.nodes, self.packets, self.triangles, self.shapes, self.strands = [], [], [], [], []
         self.counts = dict.fromkeys(("nodes", "packets", "triangles", "shapes"), 0)
         self.lights = [light.copy() for light in builder.lights]
@@ -208,7 +208,7 @@ class _Assembly:
         rows = [self._rows(kind, geometry, number) for geometry, number in parts]
         first = self.counts["triangles" if kind == TreeKind.TRIANGLES else "shapes"]
         for (geometry, _), own in zip(parts, rows, strict=True):
-            self.first_prims[geometry] = first
+            self.first_prims.setdefault(geometry, first)
             first += len(own)
         rows = np.concatenate(rows) if len(rows) > 1 else rows[0]
         if kind == TreeKind.TRIANGLES:
@@ -240,8 +240,10 @@ class _Assembly:
             rows = shapes.moved(geometry.rows, matrix)
             rows["instance"] = placement if moved else -1
             told = getattr(geometry, "strands", np.zeros(0, STRAND))
-            rows["strand"] += sum(map(len, self.strands))
-            self.strands.append(told)
+            if len(told):
+                first = self.first_prims[number] = sum(map(len, self.strands))
+                rows["strand"] += first
+                self.strands.append(told)
         rows["light"] = geometry.light_ranks
         return rows
 

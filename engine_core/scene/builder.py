@@ -172,7 +172,7 @@ class SceneBuilder:
             uvs = checks.array(name, "UV coordinates", uvs, np.float32, n, 3, 2)
         if slots is not None:
             slots = checks.indices(name, "material slots", slots, 32768, n)
-        attributes = {key: _four_floats(name, key, value, n) for key, value in (attributes or {}).items()}
+        attributes = {key: checks.four_floats(name, key, value, n, 3) for key, value in (attributes or {}).items()}
         texture_space = texture_space or bounding_texture_space(positions)
         return self._add(Mesh(name, positions, triangles, normals, uvs, slots, attributes, texture_space))
 
@@ -191,9 +191,9 @@ class SceneBuilder:
         """
         return self._add(shapes.quads(name, centres, u, v))
 
-    def strands(self, name, keys, radii, counts, randoms=None, uvs=None):
-        """Add hairs in object space, see `scene.strands`: smooth curves through keys. Returns their number."""
-        return self._add(strands.strands(name, keys, radii, counts, randoms, uvs))
+    def strands(self, name, keys, radii, counts, *told, **more):
+        """Add hairs in object space, all of `scene.strands.strands`: curves through keys. Returns their number."""
+        return self._add(strands.strands(name, keys, radii, counts, *told, **more))
 
     def _add(self, geometry):
         self.geometries.append(geometry)
@@ -391,15 +391,6 @@ def bounding_texture_space(positions):
     low, high = positions.min(axis=0).astype(np.float64), positions.max(axis=0).astype(np.float64)
     size = np.where(high > low, high - low, 1.0)
     return 1.0 / size, np.where(high > low, -low / size, 0.5 - low)
-
-
-def _four_floats(name, key, values, count):
-    """An attribute as float32 (count, 3, 4): alpha is 1 where there is none."""
-    values = np.asarray(values, np.float32)
-    four = np.zeros((count, 3, 4), np.float32)
-    four[..., 3] = 1.0
-    four[..., : values.shape[-1]] = checks.array(name, key, values, np.float32, count, 3, values.shape[-1])
-    return four
 
 
 def look_at(eye, target, up=(0.0, 0.0, 1.0)):

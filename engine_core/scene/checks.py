@@ -80,3 +80,12 @@ def number(name, what, value, low=-np.inf, high=np.inf):
     if not np.isfinite(result) or not low <= result <= high:
         raise SceneError(f"{name}: {what} is {result:g}, allowed is {low:g} to {high:g}")
     return result
+
+
+def four_floats(name, key, values, *shape):
+    """Values of up to four floats of each owner, `shape`, as float32 (*shape, 4): alpha is 1 where there is none."""
+    values = np.asarray(values, np.float32)
+    four = np.zeros((*shape, 4), np.float32)
+    four[..., 3] = 1.0
+    four[..., : values.shape[-1]] = array(name, key, values, np.float32, *shape, values.shape[-1])
+    return four

@@ -195,6 +195,8 @@ def object_vector(scene, point, mode, p):
         return p
     told = scene.objects[point.instance]
     p = p * load3(told, "texture_scale") + load3(told, "texture_offset")
+    if is_on_strand(scene, point):
+        p = p + load3(scene.strands[scene.shapes[point.prim].strand], "generated")
     if mode == InputVector.GENERATED:
         return p
     if mode == InputVector.RADIAL_TANGENT_X:
@@ -263,18 +265,23 @@ def texture_uv(scene, point, p, shift):
 
 @kernel
 def attribute(scene, op, point, registers):
-    """Four floats interpolated over a triangle; zeros where there is no such attribute."""
+    """Four floats interpolated over a triangle, or along a strand; zeros where there is no such attribute."""
     for k in range(4):
         store_float(registers, op.out + k, ZERO)
-    if point.instance < 0 or point.kind != TreeKind.TRIANGLES:
+    if point.instance < 0:
         return
+    prim = point.prim
+    if point.kind != TreeKind.TRIANGLES:
+        if not is_on_strand(scene, point):
+            return
+        prim = scene.shapes[prim].strand
     told = scene.objects[point.instance]
     if told.attributes < 0:
         return
     first = scene.attribute_maps[told.attributes + op.data].first
     if first < 0:
         return
-    index = first + point.prim - told.first_prim
+    index = first + prim - told.first_prim
     if index < 0 or index >= scene.world[0].attribute_count:
         return
     row = scene.attributes[index]
