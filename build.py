@@ -32,7 +32,7 @@ examples:
   python3 build.py bench noise --scenes cornell_box,interior              how soon is a picture free of noise?
   python3 build.py figures                         the pictures and plots of docs/figures.md
   python3 build.py gallery --only cornell_box      the worlds of docs/gallery, beside Cycles
-  python3 build.py fuzz --minutes 60               random shader programs, in search of one that fails
+  python3 build.py fuzz --minutes 60               random programs and node trees, in search of one that fails
   python3 build.py package                         dist/lambent-*.zip, to install in Blender
 
 Each command makes what it needs first: a virtual environment in .venv with Blender 5.2 LTS as a Python module
@@ -378,7 +378,11 @@ def parser():
     sub.add_argument("-o", "--output", metavar="DIR", default=str(ROOT / "docs" / "gallery"), help="(docs/gallery)")
     sub.add_argument("--blender-version", **lts)
 
-    sub = add("fuzz", command_fuzz, "render random shader programs, and tell the seeds of those that fail")
+    sub = add(
+        "fuzz",
+        command_fuzz,
+        "render random programs, damaged ones and node trees, and tell the seeds of those that fail",
+    )
     sub.add_argument("--minutes", type=at_least(0.01, float), default=60.0, metavar="N", help="(default: 60)")
     sub.add_argument("--seed", type=at_least(0), default=0, metavar="S", help="of the first one (default: 0)")
     sub.add_argument("--only", type=at_least(0), metavar="S", help="that seed alone")

@@ -1,11 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Random shader programs, one after the other: `python3 build.py fuzz [--minutes N] [--seed S]`.
 
-A process assembles, verifies and renders them, and tells their seeds as it goes. If it dies, or one takes too long, the
-last seed says which it was, and another process goes on behind it. `--only SEED` runs one again.
+In turn: a graph of random operations is assembled, verified and rendered; files with such programs are damaged, and
+have to be refused or rendered without harm; node trees of Blender are exported and rendered.
+
+A process does so, and tells the seeds as it goes. If it dies, or one takes too long, the last seed says which it was,
+and another process goes on behind it. `--only SEED` runs one again.
 """
 
 import argparse
+import os
 import queue
 import subprocess
 import sys
@@ -23,11 +27,9 @@ def main():
     if options.child is not None:
         return work_from(options.child)
     if options.only is not None:
-        from blender_tests.helpers.programs import faults_of
-
-        faults = faults_of(options.only, size_of(options.only))
-        print("\n".join(faults) or "nothing is wrong")
-        return bool(faults)
+        faults = faults_of(options.only)
+        print("\n".join(faults) or "nothing is wrong", flush=True)
+        os._exit(bool(faults))  # some of Blender's modules hang where a process ends as usual
     end, seed, failed = time.monotonic() + 60.0 * options.minutes, options.seed, {}
     while time.monotonic() < end:
         seed = watch(seed, end, failed) + 1
@@ -97,19 +99,22 @@ def tell(failed, seed, text):
     print(f"seed {seed}: {text}", flush=True)
 
 
-def size_of(seed):
-    """Nodes of the graph of a seed."""
-    return 20 + seed % 60
+def faults_of(seed):
+    """What is wrong with what a seed stands for, as texts."""
+    import bpy  # noqa: F401  before anything of ours
+
+    from blender_tests.helpers import programs, random_trees
+
+    kinds = (programs.faults_of, programs.faults_of_damage, random_trees.faults_of_tree)
+    return kinds[seed % 3](seed, size=20 + seed // 3 % 60)
 
 
 def work_from(seed):
     """One program after the other, until somebody ends the process."""
-    from blender_tests.helpers.programs import faults_of
-
     while True:
         print(f"seed {seed}", flush=True)
         try:
-            faults = faults_of(seed, size_of(seed))
+            faults = faults_of(seed)
         except Exception as error:
             faults = [f"{type(error).__name__}: {error}"]
         for fault in faults:

@@ -39,8 +39,13 @@ def has_nodes(b_owner):
 
 
 def source(socket, groups):
-    """Follow the wire that ends in an input socket to the node that makes its value."""
+    """Follow the wire that ends in an input socket to the node that makes its value.
+
+    None: the output of a lamp that somebody put into a material has no such socket.
+    """
     end = Source(None, socket, groups)  # a wire that leads nowhere leaves the value of the last real input
+    if socket is None:
+        return end
     for _ in range(LONGEST_WIRE):
         link = next((link for link in socket.links if link.is_valid and not link.is_muted), None)
         if link is None:

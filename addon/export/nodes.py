@@ -41,7 +41,7 @@ def material_surface(context, b_material):
     if output is None:
         return m.Black()
     translation = Translation(context, b_material.name)
-    surface, volume = (output.inputs[name] for name in ("Surface", "Volume"))
+    surface, volume = output.inputs["Surface"], output.inputs.get("Volume")
     if b_material.displacement_method != "DISPLACEMENT":
         moved = _displacement(translation, output)
         if not graph.is_constant(moved):
@@ -59,7 +59,7 @@ def material_displacement(context, b_material):
     if not has_nodes(b_material) or b_material.displacement_method == "BUMP":
         return None
     tree = Graph(b_material)
-    if tree.output is None or source(tree.output.inputs["Displacement"], ()).node is None:
+    if tree.output is None or source(tree.output.inputs.get("Displacement"), ()).node is None:
         return None
     moved = _displacement(Translation(context, b_material.name), tree.output)
     return moved, b_material.displacement_method == "BOTH"
@@ -67,7 +67,7 @@ def material_displacement(context, b_material):
 
 def _displacement(translation, output):
     """What comes in by the output's Displacement; zeros if nothing does."""
-    socket = output.inputs["Displacement"]
+    socket = output.inputs.get("Displacement")
     if source(socket, ()).node is None:
         return (0.0, 0.0, 0.0)
     values = Values(translation.context, translation.warn)  # apart from those of the surface, which get its normals

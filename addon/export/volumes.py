@@ -24,7 +24,7 @@ def owned_volume(context, b_owner):
     if b_owner is None or not has_nodes(b_owner):
         return None
     tree = Graph(b_owner)
-    if tree.output is None or source(tree.output.inputs["Volume"], ()).node is None:
+    if tree.output is None or source(tree.output.inputs.get("Volume"), ()).node is None:
         return None
     return VolumeTranslation(context, b_owner.name).closure(tree.output.inputs["Volume"], ())
 

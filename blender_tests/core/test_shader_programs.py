@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from blender_tests.helpers.programs import faults_of, picture, scene_with
+from blender_tests.helpers.programs import faults_of, faults_of_damage, picture, scene_with
 from engine_core.program_tables import MAX_REGISTERS
 from engine_core.scene.checks import SceneError
 from engine_core.scene.files import load_scene, save_scene
@@ -107,6 +107,11 @@ def test_a_principled_by_values_looks_as_the_constant_one():
 @pytest.mark.parametrize("seed", range(6))
 def test_random_programs_end_and_stay_in_their_tables(seed):
     assert faults_of(seed) == []
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_programs_damaged_at_random_are_refused_or_end(seed):
+    assert faults_of_damage(seed) == []
 
 
 @pytest.mark.parametrize(
