@@ -10,6 +10,7 @@ from engine_core.jit import kernel
 from engine_core.sampling.mis import power_heuristic
 from engine_core.sampling.rng import hash_float, hash_u32, to_unit_float
 from engine_core.sampling.sobol import half_of, make_sampler, make_sequence, sample_1d, sample_2d
+from engine_core.sampling.sobol8 import sample_vertex
 from engine_core.settings import SamplerKind, Settings
 
 SIGNIFICANCE = 1e-4  # of each test; the points are fixed, so a test that passes once passes always
@@ -54,6 +55,27 @@ def test_every_elementary_interval_holds_one_point(log2_samples):
             columns, rows = 1 << log2_columns, n >> log2_columns
             cell = (points[:, 0] * columns).astype(int) * rows + (points[:, 1] * rows).astype(int)
             assert len(np.unique(cell)) == n
+
+
+@kernel
+def fill_vertices(settings, drawn, numbers):
+    """For samples 0, 1 ... of a pixel what `sample_vertex` draws, and the same dimension by dimension."""
+    sequence = make_sequence(settings, 5, 7)
+    for i in range(len(drawn)):
+        sampler, first = make_sampler(sequence, i), 3 + 4 * i
+        u = sample_vertex(sampler, first)
+        drawn[i, 0], drawn[i, 1], drawn[i, 2], drawn[i, 3] = u.light, u.lobe, u.light_u0, u.light_u1
+        drawn[i, 4], drawn[i, 5], drawn[i, 6] = u.u0, u.u1, u.roulette
+        for k in range(3):
+            numbers[i, 2 * k], numbers[i, 2 * k + 1] = sample_2d(sampler, first + k)
+        numbers[i, 6] = sample_1d(sampler, first + 3)
+
+
+@pytest.mark.parametrize("sampler", SamplerKind)
+def test_a_vertex_draws_from_its_four_dimensions(sampler):
+    drawn, numbers = np.empty((2, 1000, 7), np.float32)
+    fill_vertices(Settings(samples=1024, seed=9, sampler=sampler).row(), drawn, numbers)
+    np.testing.assert_array_equal(drawn, numbers)
 
 
 @kernel

@@ -23,6 +23,7 @@ from ..medium import equiangular, homogeneous, inside
 from ..medium.dispatch import gather_phases
 from ..medium_tables import MEDIA, PHASES
 from ..sampling.sobol import sample_1d, sample_2d
+from ..sampling.sobol8 import DIMENSIONS_PER_VERTEX, sample_vertex
 from ..shape.interaction import make_interaction, new_interaction
 from ..tables import BOUNDARY_SHIFT, PLAIN_SHIFT, MaterialFlag, TreeKind, Visibility
 from . import direct, mixture, path, phases, uniform, walk
@@ -142,7 +143,7 @@ def pass_surface(path, it):
 @kernel
 def dimension_of_media(path):
     """Boundaries have random numbers of their own, too: what comes behind them is decided anew."""
-    return dimension_of(path) + walk.DIMENSIONS_PER_VERTEX * path.media.crossings
+    return dimension_of(path) + DIMENSIONS_PER_VERTEX * path.media.crossings
 
 
 # ---- What is met? ----------------------------------------------------------------------------------------------------
@@ -341,42 +342,34 @@ follow_in_media = in_media(walk.follow, "of_phases", count_bounce=count_scatteri
 def scatter_by_path(scene, settings, path, sampler):
     found = new_phases()
     it, wo = arrive_in_media(scene, path, found), -load3(path, "d")
-    dimension = dimension_of_media(path)
-    u_select, u_phase = sample_2d(sampler, dimension)
+    u = sample_vertex(sampler, dimension_of_media(path))
     if scene.world[0].light_count > 0:
-        u0, u1 = sample_2d(sampler, dimension + 1)
-        L = sample_direct_in_media(scene, settings, path, it, found, wo, ONE_LOOK, u_select, u0, u1)
+        L = sample_direct_in_media(scene, settings, path, it, found, wo, ONE_LOOK, u.light, u.light_u0, u.light_u1)
         gather_direct(settings, path, L)
-    u0, u1 = sample_2d(sampler, dimension + 2)
-    s = phases.sample(found, wo, u_phase, u0, u1)
-    return follow_in_media(scene, settings, path, it, s, s.pdf) and survives(settings, path, sampler, dimension + 3)
+    s = phases.sample(found, wo, u.lobe, u.u0, u.u1)
+    return follow_in_media(scene, settings, path, it, s, s.pdf) and survives(settings, path, u.roulette)
 
 
 @kernel
 def scatter_by_mixture(scene, settings, path, sampler):
     found = new_phases()
     it, wo = arrive_in_media(scene, path, found), -load3(path, "d")
-    dimension = dimension_of_media(path)
-    u_delta, u_phase = sample_2d(sampler, dimension)
-    u_target = sample_1d(sampler, dimension + 1)
+    u = sample_vertex(sampler, dimension_of_media(path))
     if scene.world[0].delta_count > 0:
-        gather_direct(settings, path, sample_delta_in_media(scene, settings, path, it, found, wo, u_delta))
-    u0, u1 = sample_2d(sampler, dimension + 2)
-    s = sample_mixture_in_media(scene, load3(it, "p"), found, wo, u_phase, u_target, u0, u1)
-    return follow_in_media(scene, settings, path, it, s, ZERO) and survives(settings, path, sampler, dimension + 3)
+        gather_direct(settings, path, sample_delta_in_media(scene, settings, path, it, found, wo, u.light))
+    s = sample_mixture_in_media(scene, load3(it, "p"), found, wo, u.lobe, u.light_u0, u.u0, u.u1)
+    return follow_in_media(scene, settings, path, it, s, ZERO) and survives(settings, path, u.roulette)
 
 
 @kernel
 def scatter_uniformly(scene, settings, path, sampler):
     found = new_phases()
     it, wo = arrive_in_media(scene, path, found), -load3(path, "d")
-    dimension = dimension_of_media(path)
-    u_delta, u_phase = sample_2d(sampler, dimension)
+    u = sample_vertex(sampler, dimension_of_media(path))
     if scene.world[0].delta_count > 0:
-        gather_direct(settings, path, sample_delta_in_media(scene, settings, path, it, found, wo, u_delta))
-    u0, u1 = sample_2d(sampler, dimension + 2)
-    s = phases.sample(found, wo, u_phase, u0, u1)
-    return follow_in_media(scene, settings, path, it, s, ZERO) and survives(settings, path, sampler, dimension + 3)
+        gather_direct(settings, path, sample_delta_in_media(scene, settings, path, it, found, wo, u.light))
+    s = phases.sample(found, wo, u.lobe, u.u0, u.u1)
+    return follow_in_media(scene, settings, path, it, s, ZERO) and survives(settings, path, u.roulette)
 
 
 # ---- The integrators -------------------------------------------------------------------------------------------------

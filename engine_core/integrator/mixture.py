@@ -12,7 +12,7 @@ from ..bsdf import dispatch as bsdf_dispatch
 from ..bsdf.dispatch import BsdfSample
 from ..jit import kernel
 from ..linalg.vec3 import BLACK, load3
-from ..sampling.sobol import sample_1d, sample_2d
+from ..sampling.sobol8 import sample_vertex
 from ..tables import LobeKind
 from . import targets
 from .direct import sample_delta
@@ -59,25 +59,22 @@ def trace(scene, settings, film, sampler, ray, time):
             break
 
         # ---- How does this place scatter? ------------------------------------------------------------------------
+        u = sample_vertex(sampler, dimension_of(walk))
         wo = make_bsdf(scene, settings, walk, it, bsdf)
-        dimension = dimension_of(walk)
-        u_delta, u_lobe = sample_2d(sampler, dimension)
-        u_target = sample_1d(sampler, dimension + 1)
 
         # ---- Light that no ray runs into -------------------------------------------------------------------------
         if walk.ends_here == 0 and scene.world[0].delta_count > 0:
-            gather_direct(settings, walk, sample_delta(scene, settings, walk, it, bsdf, wo, u_delta))
+            gather_direct(settings, walk, sample_delta(scene, settings, walk, it, bsdf, wo, u.light))
 
         # ---- Choose where to go ----------------------------------------------------------------------------------
-        u0, u1 = sample_2d(sampler, dimension + 2)
-        s = sample_mixture(scene, load3(it, "p"), bsdf, wo, u_lobe, u_target, u0, u1)
+        s = sample_mixture(scene, load3(it, "p"), bsdf, wo, u.lobe, u.light_u0, u.u0, u.u1)
         if s.kind == LobeKind.SUBSURFACE:
-            go_below(walk, sampler, it, bsdf, u_lobe)
+            go_below(walk, sampler, it, bsdf, u.lobe)
         if not follow(scene, settings, walk, it, s, ZERO):
             break
 
         # ---- Is it worth going on? -------------------------------------------------------------------------------
-        if not survives(settings, walk, sampler, dimension + 3):
+        if not survives(settings, walk, u.roulette):
             break
     return outcome(walk)
 

@@ -7,6 +7,7 @@ from ..guiding.trail import new_trail, teach
 from ..jit import kernel
 from ..linalg.vec3 import BLACK, load3
 from ..sampling.sobol import half_of, sample_2d
+from ..sampling.sobol8 import sample_vertex
 from ..tables import LobeKind
 from .direct import sample_direct
 from .guided import leave_trail, sample_guided, set_guide
@@ -51,33 +52,34 @@ def trace(scene, settings, film, sampler, ray, time):
             break
 
         # ---- How does this place scatter? ------------------------------------------------------------------------
+        dimension = dimension_of(walk)
+        u = sample_vertex(sampler, dimension)
         wo = make_bsdf(scene, settings, walk, it, bsdf)
         if bsdf.count == 0:
             break
         set_guide(scene, it, bsdf)
-        dimension = dimension_of(walk)
-        u_select, u_lobe = sample_2d(sampler, dimension)
         looks = 2 if walk.bounces == 0 and scene.world[0].two_looks != 0 else 1
 
         # ---- Light that reaches us directly ----------------------------------------------------------------------
         if walk.ends_here == 0 and scene.world[0].light_count > 0:
             Ld = BLACK
             for look in range(looks):
-                u0, u1 = sample_2d(sampler if looks == 1 else half_of(sampler, look), dimension + 1)
-                Ld = Ld + sample_direct(scene, settings, walk, it, bsdf, wo, looks, u_select, u0, u1)
+                u0, u1 = u.light_u0, u.light_u1
+                if looks == 2:
+                    u0, u1 = sample_2d(half_of(sampler, look), dimension + 1)
+                Ld = Ld + sample_direct(scene, settings, walk, it, bsdf, wo, looks, u.light, u0, u1)
             gather_direct(settings, walk, Ld)
 
         # ---- Choose where to go ----------------------------------------------------------------------------------
-        u0, u1 = sample_2d(sampler, dimension + 2)
-        s = sample_guided(scene, bsdf, wo, u_lobe, u0, u1)
+        s = sample_guided(scene, bsdf, wo, u.lobe, u.u0, u.u1)
         if s.kind == LobeKind.SUBSURFACE:
-            go_below(walk, sampler, it, bsdf, u_lobe)
+            go_below(walk, sampler, it, bsdf, u.lobe)
         leave_trail(scene, trail, walk, bsdf, s)
         if not follow(scene, settings, walk, it, s, ZERO if s.is_delta else s.pdf / np.float32(looks)):
             break
 
         # ---- Is it worth going on? -------------------------------------------------------------------------------
-        if not survives(settings, walk, sampler, dimension + 3):
+        if not survives(settings, walk, u.roulette):
             break
     teach(film, trail, load3(walk, "L"))
     return outcome(walk)

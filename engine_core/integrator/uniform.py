@@ -7,7 +7,7 @@ of the file.
 
 from ..bsdf import dispatch as bsdf_dispatch
 from ..jit import kernel
-from ..sampling.sobol import sample_2d
+from ..sampling.sobol8 import sample_vertex
 from ..tables import LobeKind
 from .direct import sample_delta
 from .vacuum import is_no_surface, is_scattered, scatter_in_media
@@ -50,23 +50,21 @@ def trace(scene, settings, film, sampler, ray, time):
             break
 
         # ---- How does this place scatter? ------------------------------------------------------------------------
+        u = sample_vertex(sampler, dimension_of(walk))
         wo = make_bsdf(scene, settings, walk, it, bsdf)
-        dimension = dimension_of(walk)
-        u_delta, u_lobe = sample_2d(sampler, dimension)
 
         # ---- Light that no ray runs into -------------------------------------------------------------------------
         if walk.ends_here == 0 and scene.world[0].delta_count > 0:
-            gather_direct(settings, walk, sample_delta(scene, settings, walk, it, bsdf, wo, u_delta))
+            gather_direct(settings, walk, sample_delta(scene, settings, walk, it, bsdf, wo, u.light))
 
         # ---- Choose where to go ----------------------------------------------------------------------------------
-        u0, u1 = sample_2d(sampler, dimension + 2)
-        s = bsdf_dispatch.sample(bsdf, wo, u_lobe, u0, u1)
+        s = bsdf_dispatch.sample(bsdf, wo, u.lobe, u.u0, u.u1)
         if s.kind == LobeKind.SUBSURFACE:
-            go_below(walk, sampler, it, bsdf, u_lobe)
+            go_below(walk, sampler, it, bsdf, u.lobe)
         if not follow(scene, settings, walk, it, s, ZERO):
             break
 
         # ---- Is it worth going on? -------------------------------------------------------------------------------
-        if not survives(settings, walk, sampler, dimension + 3):
+        if not survives(settings, walk, u.roulette):
             break
     return outcome(walk)

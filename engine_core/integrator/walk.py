@@ -19,7 +19,7 @@ from ..linalg.records import scratch_record
 from ..linalg.vec3 import BLACK, WHITE, Vec3, average, dot, is_black, load3, max_component, store3
 from ..medium_tables import MEDIA
 from ..program_tables import POINT
-from ..sampling.sobol import sample_1d
+from ..sampling.sobol8 import DIMENSIONS_PER_VERTEX
 from ..shader.evaluate import emission, fill_bsdf, has_program, holdout
 from ..shader.frames import lay_along
 from ..shader.point import set_surface
@@ -32,7 +32,7 @@ from .vacuum import clearness, go_through, pass_surface
 
 # Dimensions of a sample, in pairs: 0 the pixel filter, 1 the lens, 2 the time, then four for each vertex of the path:
 # two choices (which light, which lobe), a point on a light or two more choices, a direction, Russian roulette.
-FIRST_DIMENSION, DIMENSIONS_PER_VERTEX = 3, 4
+FIRST_DIMENSION = 3
 FAR, ZERO, ONE, NONE = np.float32(np.inf), np.float32(0.0), np.float32(1.0), np.int64(-1)
 BUMP_WIDTH = np.float32(0.1)  # pixels, over which slopes of bumps are taken, as Cycles' filter width
 CAMERA = Visibility.CAMERA.value
@@ -322,8 +322,8 @@ def count_bounce(settings, walk, s):
 
 
 @kernel
-def survives(settings, walk, sampler, dimension):
-    """Russian roulette: whether it is worth to go on.
+def survives(settings, walk, u):
+    """Russian roulette by the random number `u`: whether it is worth to go on.
 
     By the throughput beside that of the first bounce: a dark surface is dark by whatever path, and its noise is seen
     beside that. The root keeps paths longer than their throughput says, since they may still find a bright light.
@@ -334,7 +334,7 @@ def survives(settings, walk, sampler, dimension):
     if walk.bounces <= settings.min_bounces:
         return True
     survival = min(1.0, math.sqrt(2.0 * max_component(beta) / walk.beta_first))
-    if sample_1d(sampler, dimension) >= survival:
+    if u >= survival:
         return False
     store3(walk, "beta", beta * (1.0 / survival))
     return True

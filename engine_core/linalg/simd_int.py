@@ -25,6 +25,7 @@ for _op, _instruction in (
     (operator.mul, "mul"),
     (operator.xor, "xor"),
     (operator.and_, "and_"),
+    (operator.or_, "or_"),
 ):
     _operator(_op, i32x8, i32x8, lambda b, x, y, instruction=_instruction: getattr(b, instruction)(x, y))
 _operator(operator.lt, i32x8, mask8, lambda b, x, y: b.icmp_signed("<", x, y))
@@ -73,6 +74,26 @@ def shift_right(typing_context, v, n):
     """Each integer over 2 ** n, a constant power, rounded down."""
     places = n.literal_value
     return i32x8(v, n), lambda context, b, sig, args: b.ashr(args[0], _constant([places] * 8))
+
+
+@intrinsic(prefer_literal=True)
+def shift_down(typing_context, v, n):
+    """The bits of each integer, moved down by a constant number of places; zeros come in at the top."""
+    places = n.literal_value
+    return i32x8(v, n), lambda context, b, sig, args: b.lshr(args[0], _constant([places] * 8))
+
+
+@intrinsic
+def reverse_bits8(typing_context, v):
+    """The bits of each integer in the other order: bit 0 becomes bit 31."""
+
+    def lower(context, builder, sig, args):
+        function_type = ir.FunctionType(i32x8.llvm, [i32x8.llvm])
+        return builder.call(
+            cgutils.get_or_insert_function(builder.module, function_type, "llvm.bitreverse.v8i32"), args
+        )
+
+    return i32x8(v), lower
 
 
 @intrinsic(prefer_literal=True)
