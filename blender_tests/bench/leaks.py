@@ -13,7 +13,7 @@ import numpy as np
 
 from blender_tests.helpers.rays import bumpy_sphere, geometry_scene
 from engine_core.accel.build import THREADS
-from engine_core.accel.traverse import intersect_closest, occluded
+from engine_core.accel.traverse import NO_FACE, intersect_closest, occluded
 from engine_core.jit import kernel
 from engine_core.linalg.vec3 import Vec3, lerp
 from engine_core.sampling.rng import hash_float
@@ -59,9 +59,9 @@ def count_leaks(scene, packets, first, count):
             d = lerp(a, b, along) - o
         else:
             d = Vec3(random(i, 3) - 0.5, random(i, 4) - 0.5, random(i, 5) - 0.5)
-        if intersect_closest(scene, o, d, NOW, FAR, EVERYTHING, NOW).prim < 0:
+        if intersect_closest(scene, o, d, NOW, FAR, EVERYTHING, NOW, NO_FACE).prim < 0:
             escaped += 1
-        if not occluded(scene, o, d, FAR, NOW):
+        if not occluded(scene, o, d, FAR, NOW, NO_FACE):
             not_occluded += 1
     return escaped, not_occluded
 

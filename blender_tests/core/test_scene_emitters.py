@@ -6,7 +6,7 @@ import pytest
 
 from blender_tests.helpers.lights import random_numbers
 from blender_tests.helpers.scenes import builder
-from engine_core.accel.traverse import intersect_closest
+from engine_core.accel.traverse import NO_FACE, intersect_closest
 from engine_core.jit import kernel
 from engine_core.light import dispatch
 from engine_core.light.triangle import row_at
@@ -55,7 +55,7 @@ def _hit_rows(scene, p, rows, u, result):
     for i in range(len(rows)):
         s = dispatch.sample(scene, scene.lights[rows[i]], origin, u[i, 0], u[i, 1])
         hit = intersect_closest(
-            scene, origin, s.wi, np.float32(0.0), np.float32(np.inf), Visibility.ALL.value, np.float32(0.0)
+            scene, origin, s.wi, np.float32(0.0), np.float32(np.inf), Visibility.ALL.value, np.float32(0.0), NO_FACE
         )
         result[i] = -1
         if hit.prim >= 0:

@@ -4,7 +4,7 @@
 import numpy as np
 
 from engine_core.accel.build import aligned_rows, build_boxes, build_triangles, rebase, rebase_packets
-from engine_core.accel.traverse import intersect_closest, intersect_lamps, occluded
+from engine_core.accel.traverse import NO_FACE, intersect_closest, intersect_lamps, occluded
 from engine_core.jit import kernel
 from engine_core.linalg.records import Tables
 from engine_core.linalg.vec3 import load3
@@ -38,7 +38,7 @@ class Rays(Tables):
 def closest_all(scene, rays, count, visibility):
     for i in range(count):
         ray = rays.rays[i]
-        hit = intersect_closest(scene, load3(ray, "o"), load3(ray, "d"), ray.t_min, ray.t_max, visibility, NOW)
+        hit = intersect_closest(scene, load3(ray, "o"), load3(ray, "d"), ray.t_min, ray.t_max, visibility, NOW, NO_FACE)
         ray.t, ray.kind, ray.prim, ray.instance, ray.b1, ray.b2 = hit
 
 
@@ -46,7 +46,7 @@ def closest_all(scene, rays, count, visibility):
 def occluded_all(scene, rays, count):
     for i in range(count):
         ray = rays.rays[i]
-        ray.occluded = 1 if occluded(scene, load3(ray, "o"), load3(ray, "d"), ray.t_max, NOW) else 0
+        ray.occluded = 1 if occluded(scene, load3(ray, "o"), load3(ray, "d"), ray.t_max, NOW, NO_FACE) else 0
 
 
 @kernel

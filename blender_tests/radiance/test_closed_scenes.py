@@ -130,6 +130,23 @@ def test_sun_on_a_floor():
         assert_radiance(picture(b, samples=16), 0.5 * 3 * 0.5 / math.pi)
 
 
+@pytest.mark.parametrize("times", [1, 2])
+def test_long_thin_triangles_are_not_in_their_own_way(times):
+    """A sloping floor of them, 14 m long and 7 cm wide, under a sun and a white sky: each point sees all of both."""
+    b = builder(eye=(-1, -3, 3), target=(-1, -2.99, 0), field_of_view=60)
+    corners = np.array([[x, y, 0.04 + 0.01 * x] for y in np.arange(-7, 7, 0.07) for x in (-8, 6)], np.float32)
+    rows = np.arange(0, len(corners) - 2, 2)[:, None]
+    strips = b.mesh("strips", corners, (rows + np.array([[[0, 1, 3]], [[0, 3, 2]]])).reshape(-1, 3))
+    material = b.material("floor", Diffuse((0.5, 0.5, 0.5)))
+    for k in range(times):  # more than once: in the space of its object
+        b.instance(strips, np.vstack([turned_about_z(0.0, 1.0, (0, 0, -9 * k)), [0, 0, 0, 1]]), materials=[material])
+    b.sun_light("Sun", (math.sqrt(0.5), 0, -math.sqrt(0.5)), (math.pi, math.pi, math.pi))
+    b.background((1, 1, 1))
+    cosine = (1 + 0.01) / math.sqrt(2 * (1 + 0.01**2))
+    image = picture(b, samples=64, size=32)
+    assert_radiance(image, 0.5 * (1 + cosine), tolerance=0.001)
+
+
 def test_coloured_pane_dims_light_once_for_each_passage():
     """A floor below a transparent red pane, lit by a sun: seen through the pane, it is dimmed twice."""
     b = builder(eye=(0, 0, 2), target=(0, 1e-3, 0), field_of_view=20)

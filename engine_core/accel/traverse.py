@@ -35,6 +35,16 @@ class Hit(NamedTuple):
     b2: float
 
 
+class Face(NamedTuple):
+    """The triangle that a ray leaves, which is flat and cannot be hit by it."""
+
+    prim: int  # row of TRIANGLE; -1: it leaves none
+    instance: int  # as in a Hit
+
+
+NO_FACE = Face(NONE, NONE)
+
+
 class TreeHit(NamedTuple):
     t: float
     prim: int  # -1: nothing was hit before t
@@ -46,21 +56,23 @@ class TreeHit(NamedTuple):
 
 
 @inlined_kernel
-def intersect_closest(scene, o, d, t_min, t_max, visibility, time):
+def intersect_closest(scene, o, d, t_min, t_max, visibility, time, left):
     """The first triangle or shape on the ray o + t d, t_min < t < t_max, among objects that `visibility` rays can see.
 
     `d` need not be unit. Lamps are not met; see `intersect_lamps`. All rays see what is in the world's own trees.
+    `left`: the Face that the ray leaves. Its own plane may seem to be in front of the origin, moved off it as it is:
+    where a triangle is long and thin, rounding errors are as large as that step.
     """
     world = scene.world[0]
     hit = Hit(t_max, TRIANGLES, NONE, NONE, ZERO, ZERO)
     if world.instance_root >= 0:  # first, since a ground or a room is behind what stands in it
-        hit = intersect_instances(scene, world.instance_root, o, d, t_min, t_max, visibility)
+        hit = intersect_instances(scene, world.instance_root, o, d, t_min, t_max, visibility, left)
     if world.moving_root >= 0:
-        found = intersect_moving(scene, world.moving_root, o, d, t_min, hit.t, visibility, time)
+        found = intersect_moving(scene, world.moving_root, o, d, t_min, hit.t, visibility, time, left)
         if found.prim >= 0:
             hit = found
     if world.triangle_root >= 0:
-        found = intersect_triangles(scene, world.triangle_root, o, d, t_min, hit.t)
+        found = intersect_triangles(scene, world.triangle_root, o, d, t_min, hit.t, of_tree(left, NONE))
         if found.prim >= 0:
             hit = Hit(found.t, TRIANGLES, found.prim, NONE, found.b1, found.b2)
     if world.shape_root >= 0:
@@ -68,6 +80,12 @@ def intersect_closest(scene, o, d, t_min, t_max, visibility, time):
         if found.prim >= 0:
             hit = Hit(found.t, SHAPES, found.prim, NONE, found.b1, found.b2)
     return hit
+
+
+@inlined_kernel
+def of_tree(left, instance):
+    """The triangle of the Face `left`, if it is in the tree of that instance; else -1."""
+    return left.prim if left.instance == instance else NONE
 
 
 @kernel
@@ -81,8 +99,8 @@ def intersect_lamps(scene, o, d, t_min, t_max):
 
 
 @kernel
-def intersect_triangles(scene, root, o, d, t_min, t_max):
-    """The first triangle of the tree below `root`, beyond t_min."""
+def intersect_triangles(scene, root, o, d, t_min, t_max, left):
+    """The first triangle of the tree below `root`, beyond t_min, but the row `left`."""
     stack, slabs, shear = stack_scratch(), make_slabs(o, d), make_shear(o, d)
     prim, b1, b2 = NONE, ZERO, ZERO
     top = start(stack, root)
@@ -96,9 +114,9 @@ def intersect_triangles(scene, root, o, d, t_min, t_max):
         while hits != 0:
             i = lowest_bit(hits)
             hits = without_lowest_bit(hits)
-            t = lane(found.t, i)
-            if t < t_max:
-                t_max, prim, b1, b2 = t, load1(packet, "prim", i), lane(found.b1, i), lane(found.b2, i)
+            t, candidate = lane(found.t, i), load1(packet, "prim", i)
+            if t < t_max and candidate != left:
+                t_max, prim, b1, b2 = t, candidate, lane(found.b1, i), lane(found.b2, i)
 
 
 @kernel
@@ -118,7 +136,7 @@ def intersect_shapes(scene, root, o, d, t_min, t_max):
 
 
 @kernel
-def intersect_instances(scene, root, o, d, t_min, t_max, visibility):
+def intersect_instances(scene, root, o, d, t_min, t_max, visibility, left):
     """The first triangle or shape of the instances in the tree below `root`, beyond t_min."""
     stack, slabs = stack_scratch(), make_slabs(o, d)
     result = Hit(t_max, TRIANGLES, NONE, NONE, ZERO, ZERO)
@@ -131,18 +149,18 @@ def intersect_instances(scene, root, o, d, t_min, t_max, visibility):
         instance = scene.instances[row]
         if instance.visibility & visibility == 0:
             continue
-        found = intersect_instance(scene, instance, o, d, t_min, result.t)
+        found = intersect_instance(scene, instance, o, d, t_min, result.t, of_tree(left, row))
         if found.prim >= 0:
             result = Hit(found.t, np.int64(instance.kind), found.prim, row, found.b1, found.b2)
 
 
 @kernel
-def intersect_instance(scene, instance, o, d, t_min, t_max):
-    """The first triangle or shape of one instance that has a tree of its own, beyond t_min."""
+def intersect_instance(scene, instance, o, d, t_min, t_max, left):
+    """The first triangle or shape of one instance that has a tree of its own, beyond t_min, but the triangle `left`."""
     local_o = transform_point(instance, "to_object", o)
     local_d = transform_vector(instance, "to_object", d)  # not normalised: t stays what it is
     if instance.kind == TRIANGLES:
-        found = intersect_triangles(scene, instance.root, local_o, local_d, t_min, t_max)
+        found = intersect_triangles(scene, instance.root, local_o, local_d, t_min, t_max, left)
         if found.prim >= 0:  # it will be shaded, unless another instance is nearer: there is time to bring it
             prefetch(scene.triangles[found.prim])
         return found
@@ -150,7 +168,7 @@ def intersect_instance(scene, instance, o, d, t_min, t_max):
 
 
 @kernel
-def intersect_moving(scene, root, o, d, t_min, t_max, visibility, time):
+def intersect_moving(scene, root, o, d, t_min, t_max, visibility, time, left):
     """As `intersect_instances`, among those that move, where they stand at `time`."""
     stack, slabs, scratch = stack_scratch(), make_slabs(o, d), new_instance()
     result = Hit(t_max, TRIANGLES, NONE, NONE, ZERO, ZERO)
@@ -163,7 +181,7 @@ def intersect_moving(scene, root, o, d, t_min, t_max, visibility, time):
         if scene.instances[row].visibility & visibility == 0:
             continue
         instance = instance_at(scene, row, time, scratch)
-        found = intersect_instance(scene, instance, o, d, t_min, result.t)
+        found = intersect_instance(scene, instance, o, d, t_min, result.t, of_tree(left, row))
         if found.prim >= 0:
             result = Hit(found.t, np.int64(instance.kind), found.prim, row, found.b1, found.b2)
 
@@ -172,29 +190,33 @@ def intersect_moving(scene, root, o, d, t_min, t_max, visibility, time):
 
 
 @kernel
-def occluded(scene, o, d, t_max, time):
-    """Whether anything is on the ray o + t d, 0 < t < t_max: transparent or not, but no lamp."""
+def occluded(scene, o, d, t_max, time, left):
+    """Whether anything is on the ray o + t d, 0 < t < t_max: transparent or not, but no lamp, nor the Face `left`."""
     world = scene.world[0]
-    if world.triangle_root >= 0 and triangles_occlude(scene, world.triangle_root, o, d, t_max):
+    if world.triangle_root >= 0 and triangles_occlude(scene, world.triangle_root, o, d, t_max, of_tree(left, NONE)):
         return True
     if world.shape_root >= 0 and shapes_occlude(scene, world.shape_root, o, d, t_max):
         return True
-    if world.instance_root >= 0 and instances_occlude(scene, world.instance_root, o, d, t_max):
+    if world.instance_root >= 0 and instances_occlude(scene, world.instance_root, o, d, t_max, left):
         return True
-    return world.moving_root >= 0 and moving_occlude(scene, world.moving_root, o, d, t_max, time)
+    return world.moving_root >= 0 and moving_occlude(scene, world.moving_root, o, d, t_max, time, left)
 
 
 @kernel
-def triangles_occlude(scene, root, o, d, t_max):
-    """Whether a triangle of the tree below `root` is hit."""
+def triangles_occlude(scene, root, o, d, t_max, left):
+    """Whether a triangle of the tree below `root` is hit, but the row `left`."""
     stack, slabs, shear = stack_scratch(), make_slabs(o, d), make_shear(o, d)
     top = start_any(scene, stack, slabs, root, t_max)
     while True:
         leaf, top = any_leaf(scene, scene.packets, slabs, stack, top, t_max)
         if leaf == NO_LEAF:
             return False
-        if intersect_packet(scene.packets[~leaf], shear, ZERO, t_max).hits != 0:
-            return True
+        packet = scene.packets[~leaf]
+        hits = intersect_packet(packet, shear, ZERO, t_max).hits
+        while hits != 0:
+            if load1(packet, "prim", lowest_bit(hits)) != left:
+                return True
+            hits = without_lowest_bit(hits)
 
 
 @kernel
@@ -211,7 +233,7 @@ def shapes_occlude(scene, root, o, d, t_max):
 
 
 @kernel
-def instances_occlude(scene, root, o, d, t_max):
+def instances_occlude(scene, root, o, d, t_max, left):
     """Whether an instance in the tree below `root` is hit."""
     stack, slabs = stack_scratch(), make_slabs(o, d)
     top = start_any(scene, stack, slabs, root, t_max)
@@ -225,14 +247,14 @@ def instances_occlude(scene, root, o, d, t_max):
         local_o = transform_point(instance, "to_object", o)
         local_d = transform_vector(instance, "to_object", d)
         if instance.kind == TRIANGLES:
-            if triangles_occlude(scene, instance.root, local_o, local_d, t_max):
+            if triangles_occlude(scene, instance.root, local_o, local_d, t_max, of_tree(left, ~leaf)):
                 return True
         elif shapes_occlude(scene, instance.root, local_o, local_d, t_max):
             return True
 
 
 @kernel
-def moving_occlude(scene, root, o, d, t_max, time):
+def moving_occlude(scene, root, o, d, t_max, time, left):
     """Whether an instance that moves is hit where it stands at `time`."""
     stack, slabs, scratch = stack_scratch(), make_slabs(o, d), new_instance()
     top = start_any(scene, stack, slabs, root, t_max)
@@ -246,7 +268,7 @@ def moving_occlude(scene, root, o, d, t_max, time):
         local_o = transform_point(instance, "to_object", o)
         local_d = transform_vector(instance, "to_object", d)
         if instance.kind == TRIANGLES:
-            if triangles_occlude(scene, instance.root, local_o, local_d, t_max):
+            if triangles_occlude(scene, instance.root, local_o, local_d, t_max, of_tree(left, ~leaf)):
                 return True
         elif shapes_occlude(scene, instance.root, local_o, local_d, t_max):
             return True

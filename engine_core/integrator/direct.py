@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..accel.traverse import intersect_closest, intersect_lamps, occluded
+from ..accel.traverse import NO_FACE, Face, intersect_closest, intersect_lamps, occluded
 from ..bsdf import dispatch as bsdf_dispatch
 from ..jit import kernel
 from ..light import dispatch as light_dispatch
@@ -20,7 +20,7 @@ from ..shader.evaluate import light_radiance, run_program
 from ..shader.opcodes import Entry
 from ..shader.point import new_point, set_surface, set_world
 from ..shape.interaction import make_interaction, new_interaction
-from ..tables import MaterialFlag, Visibility
+from ..tables import MaterialFlag, TreeKind, Visibility
 from .guided import guided_pdf
 from .targets import choose
 from .terminator import lift_below, lifted
@@ -104,10 +104,10 @@ def shadow_transmittance(scene, settings, walk, it, o, d, t_max):
     between. `d` need not be unit. The limit of transparent surfaces is one for the path and the shadow ray together.
     """
     if scene.world[0].transparent_shadows == 0:
-        return BLACK if occluded(scene, o, d, t_max, walk.time) else WHITE
-    transmittance, at, t_min = WHITE, new_interaction(), ZERO
+        return BLACK if occluded(scene, o, d, t_max, walk.time, face_of(it)) else WHITE
+    transmittance, at, t_min, left = WHITE, new_interaction(), ZERO, face_of(it)
     for _ in range(settings.transparent_bounces - walk.transparent_bounces + 1):
-        hit = intersect_closest(scene, o, d, t_min, t_max, Visibility.SHADOW.value, walk.time)
+        hit = intersect_closest(scene, o, d, t_min, t_max, Visibility.SHADOW.value, walk.time, left)
         if hit.prim < 0:
             return transmittance
         make_interaction(scene, at, hit, o, d, walk.time)
@@ -116,6 +116,12 @@ def shadow_transmittance(scene, settings, walk, it, o, d, t_max):
             return BLACK
         t_min = hit.t
     return BLACK
+
+
+@kernel
+def face_of(it):
+    """The Face that a ray from `it`, a row of INTERACTION, leaves."""
+    return Face(np.int64(it.prim) if it.kind == TreeKind.TRIANGLES else NO_FACE.prim, np.int64(it.through))
 
 
 @kernel

@@ -12,7 +12,7 @@ that faces everywhere.
 
 import numpy as np
 
-from ..accel.traverse import Hit, intersect_closest, intersect_instances, intersect_moving
+from ..accel.traverse import NO_FACE, Hit, intersect_closest, intersect_instances, intersect_moving
 from ..jit import kernel, variant
 from ..light import dispatch as light_dispatch
 from ..light.select import select
@@ -27,7 +27,7 @@ from ..sampling.sobol8 import DIMENSIONS_PER_VERTEX, sample_vertex
 from ..shape.interaction import make_interaction, new_interaction
 from ..tables import BOUNDARY_SHIFT, PLAIN_SHIFT, MaterialFlag, TreeKind, Visibility
 from . import direct, mixture, path, phases, uniform, walk
-from .direct import transparency
+from .direct import face_of, transparency
 from .touching import find_touching, new_touching
 from .walk import ABOVE, CAMERA, FAR, ZERO, dimension_of, gather, gather_direct, limit_of_found, survives
 
@@ -66,7 +66,7 @@ def set_out(scene, path, ray, time):
 
 @kernel
 def surface_above(scene, o, time):
-    return intersect_closest(scene, o, UP, ZERO, FAR, CAMERA, time)
+    return intersect_closest(scene, o, UP, ZERO, FAR, CAMERA, time, NO_FACE)
 
 
 @kernel
@@ -75,9 +75,9 @@ def boundary_above(scene, o, time):
     world, visibility = scene.world[0], CAMERA << BOUNDARY_SHIFT
     hit = Hit(FAR, NO_TREE, NO_PRIM, NO_PRIM, ZERO, ZERO)
     if world.instance_root >= 0:
-        hit = intersect_instances(scene, world.instance_root, o, UP, ZERO, FAR, visibility)
+        hit = intersect_instances(scene, world.instance_root, o, UP, ZERO, FAR, visibility, NO_FACE)
     if world.moving_root >= 0:
-        found = intersect_moving(scene, world.moving_root, o, UP, ZERO, hit.t, visibility, time)
+        found = intersect_moving(scene, world.moving_root, o, UP, ZERO, hit.t, visibility, time, NO_FACE)
         if found.prim >= 0:
             hit = found
     return hit
@@ -150,9 +150,9 @@ def dimension_of_media(path):
 
 
 @kernel
-def intersect_all(scene, o, d, t_min, t_max, visibility, time):
+def intersect_all(scene, o, d, t_min, t_max, visibility, time, left):
     """As `intersect_closest`, of surfaces and boundaries. Where they lie in one place it is either."""
-    return intersect_closest(scene, o, d, t_min, t_max, visibility | visibility << BOUNDARY_SHIFT, time)
+    return intersect_closest(scene, o, d, t_min, t_max, visibility | visibility << BOUNDARY_SHIFT, time, left)
 
 
 @kernel
@@ -190,7 +190,7 @@ def surface_at(scene, it, t, visibility, time):
     """The surface that lies in one place with what is at `it`, a Hit at `t`."""
     p, ng = load3(it, "p"), load3(it, "ng")
     before, behind = offset_ray_origin(p, ng), offset_ray_origin(p, -ng)
-    surface = intersect_closest(scene, before, behind - before, ZERO, ONE, visibility, time)
+    surface = intersect_closest(scene, before, behind - before, ZERO, ONE, visibility, time, NO_FACE)
     return Hit(t, surface.kind, surface.prim, surface.instance, surface.b1, surface.b2)
 
 
@@ -274,9 +274,9 @@ def shadow_transmittance(scene, settings, path, it, o, d, t_max):
     if dot(d, load3(it, "ng")) < 0.0:
         go_through(scene, media, it, Visibility.SHADOW.value)
     metres = length(d)
-    clear, passed = WHITE, 0
+    clear, passed, left = WHITE, 0, face_of(it)
     for _ in range(MOST_CROSSINGS):
-        hit = intersect_all(scene, o, d, ZERO, t_max, Visibility.SHADOW.value, path.time)
+        hit = intersect_all(scene, o, d, ZERO, t_max, Visibility.SHADOW.value, path.time, left)
         if media.count > 0:
             clear = clear * homogeneous.transmittance(load3(media, "sigma_t"), hit.t * metres)
         if hit.prim < 0:
@@ -295,7 +295,7 @@ def shadow_transmittance(scene, settings, path, it, o, d, t_max):
         if is_black(clear):
             return BLACK
         go_through(scene, media, at, Visibility.SHADOW.value)
-        o = offset_ray_origin(load3(at, "p"), -load3(at, "ng"))
+        o, left = offset_ray_origin(load3(at, "p"), -load3(at, "ng")), face_of(at)
         t_max -= hit.t
     return BLACK
 

@@ -13,7 +13,7 @@ import math
 
 import numpy as np
 
-from ..accel.traverse import Hit, intersect_closest, intersect_instance, occluded
+from ..accel.traverse import NO_FACE, Hit, intersect_closest, intersect_instance, occluded
 from ..jit import kernel
 from ..linalg.frame import frame_from_normal, from_local
 from ..linalg.ray import float_bits, offset_ray_origin
@@ -111,9 +111,11 @@ def ambient(scene, point, distance, normal, mode, samples):
         o = offset_ray_origin(p, ng if dot(d, ng) > 0.0 else -ng)
         if mode & ONLY_LOCAL:
             instance = instance_at(scene, point.instance, point.time, new_instance())
-            is_open = instance.root < 0 or intersect_instance(scene, instance, o, d, ZERO, distance).prim < 0
+            is_open = (
+                instance.root < 0 or intersect_instance(scene, instance, o, d, ZERO, distance, NO_FACE.prim).prim < 0
+            )
         else:
-            is_open = not occluded(scene, o, d, distance, point.time)
+            is_open = not occluded(scene, o, d, distance, point.time, NO_FACE)
         count += 1 if is_open else 0
     return np.float32(count) / np.float32(samples)
 
@@ -153,7 +155,7 @@ def bevel(scene, point, radius, samples):
         o, left = p + axis * height + on_disk, 2.0 * height
         pdf_disk = falloff(distance / radius)
         for _ in range(MOST_HITS):
-            hit = intersect_instance(scene, instance, o, -axis, ZERO, left)
+            hit = intersect_instance(scene, instance, o, -axis, ZERO, left, NO_FACE.prim)
             if hit.prim < 0 or pdf_disk <= 0.0:
                 break
             found = Hit(hit.t, np.int64(instance.kind), hit.prim, np.int64(point.instance), hit.b1, hit.b2)
@@ -207,7 +209,7 @@ def raycast(scene, op, point, registers):
         if op.mode & ONLY_LOCAL:
             hit = hit_itself(scene, point, start, d, reach)
         else:
-            hit = intersect_closest(scene, start, d, ZERO, reach, ALL, point.time)
+            hit = intersect_closest(scene, start, d, ZERO, reach, ALL, point.time, NO_FACE)
         if hit.prim >= 0:
             it = new_interaction()
             make_interaction(scene, it, hit, start, d, point.time)
@@ -228,5 +230,5 @@ def hit_itself(scene, point, o, d, reach):
     kind, row = np.int64(instance.kind), np.int64(point.instance)
     if instance.root < 0:
         return Hit(reach, kind, np.int64(-1), row, ZERO, ZERO)
-    found = intersect_instance(scene, instance, o, d, ZERO, reach)
+    found = intersect_instance(scene, instance, o, d, ZERO, reach, NO_FACE.prim)
     return Hit(found.t, kind, np.int64(found.prim), row, found.b1, found.b2)

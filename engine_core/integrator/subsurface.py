@@ -19,7 +19,7 @@ import math
 
 import numpy as np
 
-from ..accel.traverse import intersect_instance
+from ..accel.traverse import NO_FACE, intersect_instance
 from ..bsdf import dispatch as bsdf_dispatch
 from ..jit import kernel
 from ..linalg.registers import call
@@ -140,7 +140,7 @@ def random_walk(scene, below, unused, again):
         # ---- How far? --------------------------------------------------------------------------------------------
         t = -math.log(1.0 - u_distance) / rate
         sight = t if step > 0 else max(t, MEAN_FREE_PATHS_TO_FAR_SIDE / min(sigma_t.x, min(sigma_t.y, sigma_t.z)))
-        hit = intersect_instance(scene, instance, o, d, ZERO, sight)
+        hit = intersect_instance(scene, instance, o, d, ZERO, sight, NO_FACE.prim)
         comes_out = hit.prim >= 0 and hit.t < t
         if step == 0 and hit.prim >= 0:
             depth = -dot(d, n) * hit.t

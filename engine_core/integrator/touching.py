@@ -7,7 +7,7 @@ A ray that goes through a surface is moved off it, and must not miss what lies s
 import numpy as np
 
 from ..accel.boxes import NO_LEAF, make_slabs, next_leaf, stack_scratch, start
-from ..accel.traverse import Hit, intersect_instance
+from ..accel.traverse import NO_FACE, Hit, intersect_instance
 from ..jit import kernel
 from ..linalg.ray import offset_ray_origin
 from ..linalg.records import scratch_record
@@ -58,7 +58,7 @@ def search(scene, root, own, o, d, visibility, time, found):
         if row == own or seen & visibility == 0 or seen >> PLAIN_SHIFT != 0:
             continue
         instance = instance_at(scene, row, time, scratch)
-        hit = intersect_instance(scene, instance, o, d, ZERO, ONE)
+        hit = intersect_instance(scene, instance, o, d, ZERO, ONE, NO_FACE.prim)
         if hit.prim >= 0:
             kind = np.int64(instance.kind)
             make_interaction(scene, it, Hit(hit.t, kind, hit.prim, row, hit.b1, hit.b2), o, d, time)

@@ -25,7 +25,7 @@ from ..shader.frames import lay_along
 from ..shader.point import set_surface
 from ..shape.interaction import INTERACTION, make_interaction
 from ..tables import BSDF, CameraKind, LobeKind, MaterialFlag, TreeKind, Visibility
-from .direct import Origin, background_radiance, lamp_radiance, surface_emission
+from .direct import Origin, background_radiance, face_of, lamp_radiance, surface_emission
 from .layers import open_panes
 from .subsurface import BELOW, prepare_walk, walk_below
 from .vacuum import clearness, go_through, pass_surface
@@ -113,6 +113,7 @@ def set_out(scene, walk, ray, time):
     walk.pdf_last = walk.distance = walk.t = ZERO
     walk.both_sides = walk.both_sides_last = walk.descents = 0
     walk.side = ABOVE
+    walk.vertex.kind = walk.vertex.through = NONE
     walk.bounces = walk.diffuse_bounces = walk.glossy_bounces = walk.transmission_bounces = 0
     walk.transparent_bounces = walk.ends_here = walk.first_hit = 0
 
@@ -130,7 +131,7 @@ def advance(scene, settings, walk):
         return emerge(scene, walk)
     o, d, visibility = load3(walk, "o"), load3(walk, "d"), walk.visibility
     origin = origin_of(walk)
-    hit = intersect_closest(scene, o, d, walk.t_min, walk.t_max, visibility, walk.time)
+    hit = intersect_closest(scene, o, d, walk.t_min, walk.t_max, visibility, walk.time, face_of(walk.vertex))
     walk.t = hit.t
     if scene.world[0].lamp_root >= 0:
         L = lamp_radiance(scene, walk, o, d, walk.t_min, hit.t, origin, walk.distance, visibility)
