@@ -16,7 +16,7 @@ from blender_tests.helpers.engines import enable_engines, render, set_alike
 from blender_tests.helpers.exported import add, empty_scene, mesh
 
 SIZE, QUICK_SIZE = 256, 32
-LOW, HIGH = 8, 72
+LOW, HIGH = 24, 88  # more than the samples after which a render decides whether to share them
 REPETITIONS = 3
 
 

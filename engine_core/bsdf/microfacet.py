@@ -53,9 +53,17 @@ def distribution(lobe, h):
     """D(h): area of microfacets with normal h, per solid angle and area of the surface (Walter et al. 2007, eq. 33)."""
     if lobe.facets == Facets.BECKMANN:
         return beckmann.distribution(lobe, h)
+    return _ggx(lobe, h, ONE)
+
+
+@kernel
+def _ggx(lobe, v, length2):
+    """D of the normal along `v`, whose squared length is `length2`."""
     both = lobe.alpha_x * lobe.alpha_y
-    x, y, z = h.x * lobe.alpha_y, h.y * lobe.alpha_x, h.z * both
-    t = both / (x * x + y * y + z * z)  # of h squeezed by the widths, times their product: no power of it underflows
+    x, y, z = v.x * lobe.alpha_y, v.y * lobe.alpha_x, v.z * both
+    t = (
+        both * length2 / (x * x + y * y + z * z)
+    )  # squeezed by the widths, times their product: no underflow
     return INV_PI * both * t * t
 
 
@@ -129,12 +137,14 @@ def evaluate_reflection(lobe, wo, wi):
     """The Reflection from wi to wo; nothing from below the horizon, and of what is smooth."""
     if wo.z <= 0.0 or wi.z <= 0.0 or is_smooth(lobe):
         return Reflection(ZERO, ZERO, ZERO)
-    h = normalize(wo + wi)
+    v = wo + wi  # along the microfacet's normal h, and as long as 2 (wo . h)
+    length2 = dot(v, v)
+    cos_h = 0.5 * math.sqrt(length2)
+    d = _ggx(lobe, v, length2) if lobe.facets == Facets.GGX else distribution(lobe, v * (0.5 / cos_h))
     so, si = stretched_length(lobe, wo), stretched_length(lobe, wi)
-    half_d = 0.5 * distribution(lobe, h)
-    f = half_d * wi.z / (wi.z * so + wo.z * si)
-    pdf = half_d / (reflection_bound(lobe, wo) * wo.z + so)
-    return Reflection(f, pdf, dot(wo, h))
+    for_f, for_pdf = wi.z * so + wo.z * si, reflection_bound(lobe, wo) * wo.z + so
+    scale = 0.5 * d / (for_f * for_pdf)
+    return Reflection(scale * wi.z * for_pdf, scale * for_f, cos_h)
 
 
 @kernel
