@@ -61,9 +61,7 @@ def _ggx(lobe, v, length2):
     """D of the normal along `v`, whose squared length is `length2`."""
     both = lobe.alpha_x * lobe.alpha_y
     x, y, z = v.x * lobe.alpha_y, v.y * lobe.alpha_x, v.z * both
-    t = (
-        both * length2 / (x * x + y * y + z * z)
-    )  # squeezed by the widths, times their product: no underflow
+    t = both * length2 / (x * x + y * y + z * z)  # squeezed by the widths, times their product: no underflow
     return INV_PI * both * t * t
 
 
