@@ -96,7 +96,7 @@ def voronoi_cases():
 
 
 def our_voronoi(dimensions, feature, metric, normalize, numbers, p, q, w):
-    return voronoi(p, w, dimensions, int(feature), int(metric), *numbers, normalize)
+    return voronoi(p, w, dimensions, int(feature), int(metric), *numbers, normalize, False)
 
 
 def picked(ours, *rest):

@@ -68,7 +68,7 @@ def _values(count, texture, dimensions, kind):
             ).value
         elif texture == 3:
             total += voronoi(
-                p, p.x, dimensions, kind, 0, f(5.0), f(0.0), f(0.5), f(2.0), f(1.0), f(1.0), f(1.0), True
+                p, p.x, dimensions, kind, 0, f(5.0), f(0.0), f(0.5), f(2.0), f(1.0), f(1.0), f(1.0), True, False
             ).distance
         elif texture == 4:
             total += wave(p, 0, 0, 0, f(1.0), f(2.0), f(0.5), f(0.5), f(0.0))

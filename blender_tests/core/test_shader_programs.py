@@ -12,7 +12,7 @@ from engine_core.scene.materials import Diffuse, Emission, Mix, Principled
 from engine_core.settings import Settings
 from engine_core.shader import graph
 from engine_core.shader.graph import GraphError, Image, node, part
-from engine_core.shader.opcodes import InputVector, Math, Op
+from engine_core.shader.opcodes import ONLY_DISTANCE, InputVector, Math, Op
 from engine_core.shader.program import ProgramTables
 
 
@@ -34,6 +34,22 @@ def test_what_nobody_asks_for_is_left_out():
     node(Op.MATH, shared, 1.0, 0.0)  # not a part of the result
     programs.add(graph.splat(node(Op.MATH, shared, shared, 0.0)))
     assert [Op(op["code"]) for op in programs.ops] == [Op.INPUT_VECTOR, Op.MATH, Op.COMBINE]
+
+
+def test_what_is_asked_twice_is_computed_once():
+    programs = ProgramTables()
+    sums = [node(Op.MATH, number_input(), constant, 0.0) for constant in (1.0, 1.0, 2.0)]
+    programs.add(node(Op.COMBINE, *sums))
+    assert [Op(op["code"]) for op in programs.ops] == [Op.INPUT_VECTOR, Op.MATH, Op.MATH, Op.COMBINE]
+
+
+@pytest.mark.parametrize("offset", [0, 1])
+def test_voronoi_gives_but_the_distance_where_nothing_else_is_read(offset):
+    programs = ProgramTables()
+    cells = node(Op.VORONOI, node(Op.INPUT_VECTOR), *(1.0,) * 8, mode=3)
+    programs.add(graph.splat(node(Op.MATH, part(cells, 0), part(cells, offset), 0.0)))
+    (mode,) = [op["mode"] for op in programs.ops if op["code"] == Op.VORONOI]
+    assert mode == (3 + ONLY_DISTANCE if offset == 0 else 3)
 
 
 def test_registers_are_used_again():

@@ -31,7 +31,7 @@ def test_textures_take_any_numbers():
         for dimensions, kind, flag in itertools.product((1, 2, 3, 4), NoiseKind, (False, True)):
             noise(p, draw(1)[0], dimensions, int(kind), *draw(6), flag, flag)
         for dimensions, feature in itertools.product((1, 2, 3, 4), VoronoiFeature):
-            voronoi(p, draw(1)[0], dimensions, int(feature), int(RANDOM.integers(4)), *draw(7), True)
+            voronoi(p, draw(1)[0], dimensions, int(feature), int(RANDOM.integers(4)), *draw(7), True, False)
         for dimensions in (2, 3):
             gabor(p, dimensions, *draw(3), q)
         wave(p, 1, 0, 1, *draw(5))

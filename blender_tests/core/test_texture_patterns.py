@@ -22,17 +22,27 @@ RANDOM = np.random.default_rng(3)
 POINTS = RANDOM.uniform(-20, 20, (40, 4)).astype(np.float32)
 
 
-def look(point, dimensions, feature, metric=VoronoiMetric.EUCLIDEAN, smoothness=1.0, detail=0.0, normalize=False):
-    """A Voronoi sample at scale 1 and full randomness; in one dimension at the first coordinate."""
+def look(
+    point,
+    dimensions,
+    feature,
+    metric=VoronoiMetric.EUCLIDEAN,
+    smoothness=1.0,
+    detail=0.0,
+    normalize=False,
+    only=False,
+    randomness=1.0,
+):
+    """A Voronoi sample at scale 1; in one dimension at the first coordinate."""
     x, y, z, w = (float(c) for c in point)
     p, w = Vec3(x, y, z), f(x if dimensions == 1 else w)
-    numbers = [f(n) for n in (1, detail, 0.5, 2, smoothness, 1.5, 1)]
-    return voronoi(p, w, dimensions, int(feature), int(metric), *numbers, normalize)
+    numbers = [f(n) for n in (1, detail, 0.5, 2, smoothness, 1.5, randomness)]
+    return voronoi(p, w, dimensions, int(feature), int(metric), *numbers, normalize, only)
 
 
-def neighbours(point, dimensions, reach=1):
+def neighbours(point, dimensions, reach=1, randomness=1.0):
     """[point of a cell] around the one of `point`, in the whole space, by the scalar function."""
-    lattice = Lattice(dimensions, 0, f(1), f(1))
+    lattice = Lattice(dimensions, 0, f(1), f(randomness))
     cell = np.zeros(4, np.float32)
     cell[:dimensions] = np.floor(point[:dimensions])
     steps = itertools.product(range(-reach, reach + 1), repeat=dimensions)
@@ -63,9 +73,19 @@ def test_the_nearest_points_are_the_nearest_of_all(dimensions, metric):
             sample = look(point, dimensions, feature, metric)
             position = np.array([sample.w] if dimensions == 1 else [*sample.position, sample.w][:dimensions])
             assert sample.distance == pytest.approx(d[order[rank]], abs=1e-5)
+            assert look(point, dimensions, feature, metric, only=True).distance == sample.distance
             np.testing.assert_allclose(position, points[order[rank]], atol=1e-5)
             assert min(sample.color) >= 0
             assert max(sample.color) <= 1
+
+
+@pytest.mark.parametrize("randomness", [0.0, 0.3, 0.8])
+@pytest.mark.parametrize("dimensions", [1, 2, 3, 4])
+def test_less_randomness_moves_the_points_and_leaves_the_nearest_nearest(dimensions, randomness):
+    for point in POINTS:
+        d = distances(neighbours(point, dimensions, randomness=randomness), point, VoronoiMetric.EUCLIDEAN)
+        sample = look(point, dimensions, VoronoiFeature.F1, randomness=randomness)
+        assert sample.distance == pytest.approx(d.min(), abs=1e-5)
 
 
 @pytest.mark.parametrize("dimensions", [1, 2, 3, 4])

@@ -171,6 +171,31 @@ def lanes4(typing_context, x, y, z):
 
 
 @intrinsic
+def lanes_of(typing_context, v, w):
+    """The three numbers of a Vec3, and a fourth."""
+    lower = lambda context, b, sig, args: b.insert_element(*args, ir.Constant(INT, 3))  # noqa: E731
+    return f32x4(vec3, types.float32), lower
+
+
+@intrinsic
+def vector_of(typing_context, v):
+    """The first three lanes as a Vec3."""
+    lower = lambda context, b, sig, args: b.insert_element(*args, ir.Constant(FLOAT, 0.0), ir.Constant(INT, 3))  # noqa: E731
+    return vec3(f32x4), lower
+
+
+@intrinsic
+def lanes_of_bytes(typing_context, word):
+    """The four bytes of an unsigned integer as floats, the lowest first."""
+
+    def lower(context, builder, sig, args):
+        numbers = builder.bitcast(args[0], ir.VectorType(BYTE, 4))
+        return builder.sitofp(builder.zext(numbers, ir.VectorType(INT, 4)), f32x4.llvm)
+
+    return f32x4(types.uint32), lower
+
+
+@intrinsic
 def xyz(typing_context, v):
     """The first three lanes, and 0 in the fourth."""
 

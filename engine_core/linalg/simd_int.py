@@ -10,7 +10,7 @@ from llvmlite import ir
 from numba.core import cgutils, types
 from numba.extending import intrinsic
 
-from .simd import INT, LanesType, _operator, f32x8, mask8
+from .simd import INT, LanesType, _operator, f32x4, f32x8, mask8
 
 i32x8 = LanesType("i32x8", INT, 8)
 
@@ -140,22 +140,6 @@ def bits_of_floats(typing_context, v):
 
 
 @intrinsic
-def sum_of_lanes(typing_context, v):
-    """The sum of eight floats, added in pairs."""
-
-    def lower(context, builder, sig, args):
-        v = args[0]
-        for half in (4, 2, 1):
-            low = ir.Constant(ir.VectorType(INT, half), list(range(half)))
-            high = ir.Constant(ir.VectorType(INT, half), list(range(half, 2 * half)))
-            undefined = ir.Constant(v.type, ir.Undefined)
-            v = builder.fadd(builder.shuffle_vector(v, undefined, low), builder.shuffle_vector(v, undefined, high))
-        return builder.extract_element(v, ir.Constant(INT, 0))
-
-    return types.float32(f32x8), lower
-
-
-@intrinsic
 def least_lane(typing_context, v):
     """The least of eight floats, none of which is not a number."""
 
@@ -173,29 +157,62 @@ def least_lane(typing_context, v):
 
 
 @intrinsic
+def interpolated(typing_context, v, t):
+    """From eight floats at the corners of a cube, numbered as by `lane_bit`, to the one at the place `t` in it."""
+
+    def lower(context, builder, sig, args):
+        v, t = args
+        for axis, half in ((2, 4), (1, 2), (0, 1)):
+            low = ir.Constant(ir.VectorType(INT, half), list(range(half)))
+            high = ir.Constant(ir.VectorType(INT, half), list(range(half, 2 * half)))
+            undefined = ir.Constant(v.type, ir.Undefined)
+            share = builder.shuffle_vector(t, t, ir.Constant(low.type, [axis] * half))
+            here, there = builder.shuffle_vector(v, undefined, low), builder.shuffle_vector(v, undefined, high)
+            v = builder.fadd(here, builder.fmul(share, builder.fsub(there, here)))
+        return builder.extract_element(v, ir.Constant(INT, 0))
+
+    return types.float32(f32x8, f32x4), lower
+
+
+@intrinsic(prefer_literal=True)
+def spread(typing_context, v, axis):
+    """Lane `axis`, a constant, of four in all of eight lanes."""
+    places = _constant([axis.literal_value] * 8)
+    return f32x8(f32x4, axis), lambda context, b, sig, args: b.shuffle_vector(args[0], args[0], places)
+
+
+@intrinsic
 def square_roots(typing_context, v):
     """Of each lane."""
-    return f32x8(f32x8), lambda context, b, sig, args: _call(b, "llvm.sqrt", args)
+    return v(v), lambda context, b, sig, args: _call(b, "llvm.sqrt", args)
 
 
 @intrinsic
 def floors(typing_context, v):
     """The next integer below each float, as a float."""
-    return f32x8(f32x8), lambda context, b, sig, args: _call(b, "llvm.floor", args)
+    return v(v), lambda context, b, sig, args: _call(b, "llvm.floor", args)
+
+
+@intrinsic
+def truncated(typing_context, v):
+    """The integer part of each float, as a float."""
+    return v(v), lambda context, b, sig, args: _call(b, "llvm.trunc", args)
 
 
 @intrinsic
 def absolutes(typing_context, v):
     """The distance of each float from 0."""
-    return f32x8(f32x8), lambda context, b, sig, args: _call(b, "llvm.fabs", args)
+    return v(v), lambda context, b, sig, args: _call(b, "llvm.fabs", args)
 
 
 @intrinsic
 def powers(typing_context, v, exponents):
     """Each float to the power in the lane of the other."""
-    return f32x8(f32x8, f32x8), lambda context, b, sig, args: _call(b, "llvm.pow", args)
+    return v(v, v), lambda context, b, sig, args: _call(b, "llvm.pow", args)
 
 
 def _call(builder, name, args):
-    function_type = ir.FunctionType(f32x8.llvm, [f32x8.llvm] * len(args))
-    return builder.call(cgutils.get_or_insert_function(builder.module, function_type, f"{name}.v8f32"), args)
+    lanes = args[0].type
+    function_type = ir.FunctionType(lanes, [lanes] * len(args))
+    full_name = f"{name}.v{lanes.count}f32"
+    return builder.call(cgutils.get_or_insert_function(builder.module, function_type, full_name), args)

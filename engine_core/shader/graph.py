@@ -178,6 +178,24 @@ def nodes_below(values):
     return order
 
 
+def without_twins(values):
+    """The same values, in which of nodes that do the same with the same there is but one."""
+    kept, only = {}, {}
+    for at in nodes_below(values):
+        operands = tuple(_replace(operand, kept) for operand in at.operands)
+        key = (at.op, tuple(map(_exact, operands)), at.mode, at.data, at.shift)
+        if key not in only:
+            same = all(a is b for a, b in zip(operands, at.operands, strict=True))
+            only[key] = at if same else Node(at.op, operands, at.mode, at.data, at.shift)
+        kept[at] = only[key]
+    return [_replace(value, kept) for value in values]
+
+
+def _exact(value):
+    """What two values have in common that are the same: of constants the bits."""
+    return np.asarray(value, np.float32).tobytes() if is_constant(value) else value
+
+
 def shifted(value, shift):
     """The same value a bit further along the surface: in direction 1 or 2 of its tangents."""
     moved = {}

@@ -5,6 +5,7 @@ from ..linalg.registers import store_float, store_vector
 from ..texture.gabor import gabor
 from ..texture.noise import noise
 from ..texture.voronoi import voronoi
+from .opcodes import ONLY_DISTANCE
 from .operands import give_both, number, vector
 
 
@@ -29,7 +30,8 @@ def run_noise(scene, op, point, registers):
 
 
 def run_voronoi(scene, op, point, registers):
-    """Mode: dimensions + 8 feature + 64 metric + 256 normalize. Result: distance, colour, position, w, radius."""
+    """Mode: dimensions + 8 feature + 64 metric + 256 normalize + ONLY_DISTANCE. Result: distance, colour, position, w,
+    radius."""
     sample = voronoi(
         vector(op, registers, 0),
         number(op, registers, 1),
@@ -43,9 +45,12 @@ def run_voronoi(scene, op, point, registers):
         number(op, registers, 6),
         number(op, registers, 7),
         number(op, registers, 8),
-        op.mode >> 8,
+        (op.mode >> 8) & 1,
+        op.mode & ONLY_DISTANCE,
     )
     store_float(registers, op.out, sample.distance)
+    if op.mode & ONLY_DISTANCE:
+        return
     store_vector(registers, op.out + 1, sample.color)
     store_vector(registers, op.out + 4, sample.position)
     store_float(registers, op.out + 7, sample.w)

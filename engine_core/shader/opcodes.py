@@ -210,6 +210,7 @@ UNASSOCIATE = 64  # IMAGE: a flag of its mode: divide colours by alpha
 INVERTED = 1  # BUMP
 CLAMPED = 32  # MAP_RANGE, ROTATE and others: a flag of their modes: clamp the result, or the factor; or turn back
 CLAMPED_RESULT = 64  # MATH, BLEND
+ONLY_DISTANCE = 512  # VORONOI: a flag that the assembler sets where nobody reads more than the distance
 MOST_EVERY = 100  # BRICK: its mode holds two numbers below this
 
 
@@ -287,7 +288,7 @@ SIGNATURES = {
     Op.BRICK: Signature(Entry.PATTERN, (3, 3, 3, 3, 1, 1, 1, 1, 1, 1, 1, 1), 4, MOST_EVERY**2),
     Op.WAVE: Signature(Entry.PATTERN, (3, 1, 1, 1, 1, 1, 1), 1, 24),
     Op.NOISE: Signature(Entry.NOISE, (3, 1, 1, 1, 1, 1, 1, 1, 1), 4, 256),
-    Op.VORONOI: Signature(Entry.VORONOI, (3, 1, 1, 1, 1, 1, 1, 1, 1), 9, 512),
+    Op.VORONOI: Signature(Entry.VORONOI, (3, 1, 1, 1, 1, 1, 1, 1, 1), 9, 2 * ONLY_DISTANCE),
     Op.GABOR: Signature(Entry.GABOR, (3, 1, 1, 1, 1, 3), 3, 4),
     # direction, elevation, azimuth, size, intensity of the sun, horizon, bottom and top of its disk
     Op.SKY: Signature(Entry.LIGHTING, (3, 1, 1, 1, 1, 1, 3, 3), 3, len(SkyTable), "images"),

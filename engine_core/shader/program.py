@@ -9,8 +9,8 @@ import numpy as np
 
 from ..program_tables import CLOSURE, CURVE, CURVE_SIZE, IMAGE, MAX_REGISTERS, OP, PATCH, PROGRAM, TEXEL, TexelFormat
 from . import link
-from .graph import GraphError, Node, Part, Tiles, is_constant, nodes_below, width
-from .opcodes import SIGNATURES
+from .graph import GraphError, Node, Part, Tiles, is_constant, nodes_below, width, without_twins
+from .opcodes import ONLY_DISTANCE, SIGNATURES, Op
 
 MOST_OPS = 4096
 FORMATS = {np.uint8: TexelFormat.BYTE, np.float16: TexelFormat.HALF, np.float32: TexelFormat.FLOAT}
@@ -38,7 +38,9 @@ class ProgramTables:
 
         Raises GraphError if it needs more steps or registers than there are.
         """
-        wanted = [result, *(v for _, fields in closures for v in fields.values())]
+        result, *fields = without_twins([result, *(v for _, fields in closures for v in fields.values())])
+        wanted, rest = [result, *fields], iter(fields)
+        closures = [(row, dict(zip(names, rest, strict=False))) for row, names in closures]
         order = [n for n in nodes_below(wanted)]
         if len(order) > MOST_OPS:
             raise GraphError(f"{len(order)} operations; {MOST_OPS} are possible")
@@ -46,8 +48,12 @@ class ProgramTables:
         order = [n for n in order if n not in known]
         registers = _allocate(order, wanted, known)
         first_op, first_closure = len(self.ops), len(self.closures)
+        read = _floats_read(order, wanted)
         for n in order:
-            self.ops.append(self._op(n, registers, known))
+            op = self._op(n, registers, known)
+            if n.op == Op.VORONOI and read[n] == {0}:
+                op["mode"] |= ONLY_DISTANCE
+            self.ops.append(op)
         for row, fields in closures:
             row = row.copy()
             row["patches"] = len(self.patches)
@@ -186,6 +192,16 @@ def _known(value, known):
 
 def _register(value, registers):
     return registers[value.node] + value.offset if isinstance(value, Part) else registers[value]
+
+
+def _floats_read(order, wanted):
+    """{node: numbers of those of its floats that others read}"""
+    read = {n: set() for n in order}
+    for value in (*wanted, *(operand for n in order for operand in n.operands)):
+        node, first = (value.node, value.offset) if isinstance(value, Part) else (value, 0)
+        if isinstance(node, Node) and node in read:
+            read[node].update(range(first, first + width(value)))
+    return read
 
 
 def _allocate(order, wanted, known):

@@ -17,6 +17,7 @@ from ..linalg.simd_int import (
     absolutes,
     bits_of_floats,
     floors,
+    lane_bit,
     powers,
     splat_int8,
     square_roots,
@@ -29,6 +30,7 @@ from .hash import pcg2, pcg3, pcg4, random_color
 
 ZERO, ONE, TWO, THREE, FIVE = (np.float32(x) for x in (0.0, 1.0, 2.0, 3.0, 5.0))
 HALF, THIRD, FIFTH = np.float32(0.5), np.float32(1.0 / 3.0), np.float32(0.2)
+SAFE = np.float32(0.99999)  # a bound that rounding does not pass
 
 
 class VoronoiMetric(IntEnum):
@@ -112,6 +114,24 @@ def color_of(lattice, cell, offset):
     return Vec3(u.x, u.y, u.z)
 
 
+@inlined_kernel
+def cells_beside(lattice, p):
+    """Numbers, 3 a side, of the 2^n cells that are most likely to have the nearest point to `p`: this one, and its
+    neighbours on the nearer side along each axis. Up to three dimensions."""
+    numbers = splat_int8(side_of(lattice, p.x)) + lane_bit(0)
+    if lattice.dimensions > 1:
+        numbers = numbers + (splat_int8(side_of(lattice, p.y)) + lane_bit(1)) * splat_int8(np.int32(3))
+    if lattice.dimensions > 2:
+        numbers = numbers + (splat_int8(side_of(lattice, p.z)) + lane_bit(2)) * splat_int8(np.int32(9))
+    return numbers
+
+
+@inlined_kernel
+def side_of(lattice, x):
+    """0 where the lower neighbour is nearer to the place `x` in a cell, else 1."""
+    return np.int32(x + (1.0 - lattice.randomness) >= 1.0 - x)
+
+
 class Points8(NamedTuple):
     x: f32x8
     y: f32x8
@@ -119,7 +139,7 @@ class Points8(NamedTuple):
     w: f32x8
 
 
-@kernel
+@inlined_kernel
 def points_of(lattice, cell, number, side):
     """The points of eight cells by their numbers, as `_point`; `side` is 3 or 5."""
     n, r = lattice.dimensions, splat8(lattice.randomness)
@@ -176,7 +196,7 @@ def distance_of(lattice, d):
     return math.sqrt(x * x + y * y + z * z + w * w)
 
 
-@kernel
+@inlined_kernel
 def bounds_from(lattice, points, p):
     """What grows with the distance of eight points from `p`, and costs less."""
     x, y = absolutes(points.x - splat8(p.x)), absolutes(points.y - splat8(p.y))
@@ -192,6 +212,34 @@ def bounds_from(lattice, points, p):
     if lattice.dimensions > 2:
         s = s + powers(z, e)
     return s + powers(w, e) if lattice.dimensions > 3 else s
+
+
+@kernel
+def bound_beyond(lattice, p):
+    """What `bounds_from` gives for points outside of `cells_beside`, at least."""
+    if lattice.metric == VoronoiMetric.MINKOWSKI:
+        return ZERO  # seldom, and costly to find out
+    bound = distance_beyond(lattice, p.x)
+    if lattice.dimensions > 1:
+        bound = min(bound, distance_beyond(lattice, p.y))
+    if lattice.dimensions > 2:
+        bound = min(bound, distance_beyond(lattice, p.z))
+    bound *= SAFE
+    return bound * bound if lattice.metric == VoronoiMetric.EUCLIDEAN or lattice.dimensions == 1 else bound
+
+
+@inlined_kernel
+def distance_beyond(lattice, x):
+    """Along an axis to the points of the farther one of two neighbours: how far they can be is `randomness`."""
+    return max(x + (1.0 - lattice.randomness), 1.0 - x)
+
+
+@kernel
+def length_of(lattice, bound):
+    """The distance for which `bounds_from` gives `bound`."""
+    if lattice.metric == VoronoiMetric.EUCLIDEAN or lattice.dimensions == 1:
+        return math.sqrt(bound)
+    return math.pow(bound, 1.0 / lattice.exponent) if lattice.metric == VoronoiMetric.MINKOWSKI else bound
 
 
 @kernel

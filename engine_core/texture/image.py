@@ -9,8 +9,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..jit import kernel
+from ..jit import inlined_kernel, kernel
 from ..linalg.registers import bits_to_float
+from ..linalg.simd import lane, lanes_of, lanes_of_bytes, splat4, vector_of
+from ..linalg.simd_int import choose, square_roots
 from ..linalg.vec3 import BLACK, Vec3
 from ..program_tables import TexelFormat
 from ..sampling.warp import angle_of
@@ -18,6 +20,9 @@ from ..sampling.warp import angle_of
 ZERO, ONE = np.float32(0.0), np.float32(1.0)
 PER_BYTE = np.float32(1.0 / 255.0)
 HALF_EXPONENT = np.float32(2.0**112)  # the biases of half and single differ by 112
+LINEAR_BELOW, PER_LINEAR, OFFSET = np.float32(0.04045), np.float32(1.0 / 12.92), np.float32(0.055)  # sRGB's curve
+# The 0.4th power of what sRGB's curve leaves to it, by powers of the root.
+POWERS = np.array((0.03118231, 1.3884646, -1.040958, 1.3214367, -1.1546503, 0.57965744, -0.125135), np.float32)
 LINEAR, CLOSEST, CUBIC = 0, 1, 2  # interpolation
 REPEAT, EXTEND, CLIP, MIRROR = 0, 1, 2, 3  # what is beyond the unit square
 
@@ -87,13 +92,15 @@ def texel(scene, image, x, y):
 @kernel
 def inside(i, size, extension):
     """Column or row `i` brought into the image; -1: there is none."""
+    if 0 <= i < size:
+        return i
     if extension == REPEAT:
         i %= size
         return i + size if i < 0 else i
     if extension == EXTEND:
         return min(max(i, 0), size - 1)
     if extension == CLIP:
-        return i if 0 <= i < size else -1
+        return -1
     i %= 2 * size
     i = i + 2 * size if i < 0 else i
     return i if i < size else 2 * size - 1 - i
@@ -114,6 +121,11 @@ def lookup(scene, image, u, v, interpolation, extension):
     x, y = x - 0.5, y - 0.5
     column, row = np.int64(np.floor(x)), np.int64(np.floor(y))
     fx, fy = x - np.floor(x), y - np.floor(y)
+    if interpolation == LINEAR and image.format <= TexelFormat.SRGB and image.channels == 4:
+        left, right = inside(column, image.width, extension), inside(column + 1, image.width, extension)
+        low, high = inside(row, image.height, extension), inside(row + 1, image.height, extension)
+        if min(left, right, low, high) >= 0:
+            return between_four(scene, image, left, right, low, high, fx, fy)
     reach = 4 if interpolation == CUBIC else 2
     first = 1 if interpolation == CUBIC else 0
     color, alpha = BLACK, ZERO
@@ -126,6 +138,20 @@ def lookup(scene, image, u, v, interpolation, extension):
             color = color + pixel.color * share
             alpha += pixel.alpha * share
     return Rgba(color, alpha)
+
+
+@inlined_kernel
+def between_four(scene, image, left, right, low, high, fx, fy):
+    """Rgba of an image of four bytes a pixel, between two columns and two rows, in lanes: most pictures are such."""
+    width, first = np.int64(image.width), image.first
+    below, above = first + low * width, first + high * width
+    share_x, share_y = splat4(fx), splat4(fy)
+    start, end = lanes_of_bytes(scene.texels[below + left].word), lanes_of_bytes(scene.texels[below + right].word)
+    lower = start + (end - start) * share_x
+    start, end = lanes_of_bytes(scene.texels[above + left].word), lanes_of_bytes(scene.texels[above + right].word)
+    upper = start + (end - start) * share_x
+    rgba = (lower + (upper - lower) * share_y) * splat4(PER_BYTE)
+    return Rgba(vector_of(rgba), lane(rgba, np.int32(3)))
 
 
 @kernel
@@ -158,17 +184,33 @@ def decoded(image, rgba, unassociate):
     color = rgba.color
     if unassociate and rgba.alpha != 0.0 and rgba.alpha != 1.0:
         color = color * (1.0 / rgba.alpha)
-    if image.format == TexelFormat.SRGB or image.format == TexelFormat.SRGB_FLOAT:
+    if image.format == TexelFormat.SRGB and not (unassociate and rgba.alpha < 1.0):
+        color = vector_of(bytes_to_linear(lanes_of(color, ZERO)))
+    elif image.format == TexelFormat.SRGB or image.format == TexelFormat.SRGB_FLOAT:
         color = Vec3(srgb_to_linear(color.x), srgb_to_linear(color.y), srgb_to_linear(color.z))
     return Rgba(color, rgba.alpha)
+
+
+@inlined_kernel
+def bytes_to_linear(x):
+    """IEC 61966-2-1 of numbers in 0 to 1, in lanes: ((x + 0.055) / 1.055) ** 2.4 by a polynomial in the root.
+
+    Its relative error is 3e-6 at most, found by least squares, weighted anew until all maxima were alike.
+    """
+    y = (x + splat4(OFFSET)) * splat4(ONE / (ONE + OFFSET))
+    root = square_roots(y)
+    power = splat4(POWERS[6])
+    for k in range(5, -1, -1):
+        power = power * root + splat4(POWERS[k])  # y ** 0.4
+    return choose(x < splat4(LINEAR_BELOW), x * splat4(PER_LINEAR), y * y * power)
 
 
 @kernel
 def srgb_to_linear(x):
     """IEC 61966-2-1."""
-    if x < 0.04045:
-        return x * np.float32(1.0 / 12.92) if x > 0.0 else ZERO
-    return ((x + 0.055) * np.float32(1.0 / 1.055)) ** np.float32(2.4)
+    if x < LINEAR_BELOW:
+        return x * PER_LINEAR if x > 0.0 else ZERO
+    return ((x + OFFSET) * (ONE / (ONE + OFFSET))) ** np.float32(2.4)
 
 
 # ---- From points and directions to the square ------------------------------------------------------------------------

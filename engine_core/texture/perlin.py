@@ -8,15 +8,28 @@ in fewer than three all corners beyond the line or the square weigh nothing, whi
 import numpy as np
 
 from ..jit import inlined_kernel, kernel
-from ..linalg.simd import splat8
-from ..linalg.simd_int import choose, lane_bit, negate_where_bit, splat_int8, sum_of_lanes, to_floats
+from ..linalg.simd import lane, lanes_of, splat4, splat8
+from ..linalg.simd_int import (
+    absolutes,
+    choose,
+    floors,
+    interpolated,
+    lane_bit,
+    negate_where_bit,
+    splat_int8,
+    spread,
+    to_floats,
+    to_integers,
+    truncated,
+)
 from .hash8 import lookup3, lookup3_of_4
 
 PERIOD = np.float32(100000.0)  # the lattice repeats, so that far from the origin there still are fractions
 FAR = np.float32(1000000.0)  # where there are none, half a cell is added: not all points shall be corners
 # Scales the sum of gradients to -1 to 1, for one to four dimensions; found by experiment (Open Shading Language).
 SCALE_1, SCALE_2, SCALE_3, SCALE_4 = np.float32(0.25), np.float32(0.6616), np.float32(0.982), np.float32(0.8344)
-ONE = np.float32(1.0)
+ZERO = np.int32(0)
+HALF, ONE, SIX, TEN, FIFTEEN = (np.float32(x) for x in (0.5, 1.0, 6.0, 10.0, 15.0))
 
 
 @kernel
@@ -26,47 +39,39 @@ def perlin(p, w, dimensions):
     `p` is a Vec3. In one dimension p.x counts and in two p.x and p.y; the others have to be 0, and `w` too in less than
     four.
     """
-    x, y, z = _repeat(p.x), _repeat(p.y), _repeat(p.z)
-    fx, fy, fz = x - np.floor(x), y - np.floor(y), z - np.floor(z)
-    dx = splat8(fx) - to_floats(lane_bit(0))  # from each corner
-    dy = splat8(fy) - to_floats(lane_bit(1))
-    dz = splat8(fz) - to_floats(lane_bit(2))
-    ix = splat_int8(np.int32(np.floor(x))) + lane_bit(0)
-    iy = splat_int8(np.int32(np.floor(y))) + lane_bit(1)
-    iz = splat_int8(np.int32(np.floor(z))) + lane_bit(2)
-    weight = _weight(fx, 0) * _weight(fy, 1) * _weight(fz, 2)
-    if dimensions == 4:
-        w = _repeat(w)
-        fw, iw = w - np.floor(w), splat_int8(np.int32(np.floor(w)))
-        here = sum_of_lanes(weight * _slope4(lookup3_of_4(ix, iy, iz, iw), dx, dy, dz, fw))
-        iw = iw + splat_int8(np.int32(1))
-        there = sum_of_lanes(weight * _slope4(lookup3_of_4(ix, iy, iz, iw), dx, dy, dz, fw - ONE))
-        return SCALE_4 * (here + _fade(fw) * (there - here))
-    if dimensions == 3:
-        return SCALE_3 * sum_of_lanes(weight * _slope3(lookup3(ix, iy, iz, 3), dx, dy, dz))
-    zero = splat_int8(np.int32(0))
+    p4 = _repeated(lanes_of(p, w))
+    cell = floors(p4)
+    f = p4 - cell
+    share = _fade(f)
+    dx = spread(f, 0) - to_floats(lane_bit(0))  # from each corner
+    dy = spread(f, 1) - to_floats(lane_bit(1))
+    dz = spread(f, 2) - to_floats(lane_bit(2))
+    ix = to_integers(spread(cell, 0)) + lane_bit(0)
+    if dimensions == 1:
+        return SCALE_1 * interpolated(_slope1(lookup3(ix, splat_int8(ZERO), splat_int8(ZERO), 1), dx), share)
+    iy = to_integers(spread(cell, 1)) + lane_bit(1)
     if dimensions == 2:
-        return SCALE_2 * sum_of_lanes(weight * _slope2(lookup3(ix, iy, zero, 2), dx, dy))
-    return SCALE_1 * sum_of_lanes(weight * _slope1(lookup3(ix, zero, zero, 1), dx))
+        return SCALE_2 * interpolated(_slope2(lookup3(ix, iy, splat_int8(ZERO), 2), dx, dy), share)
+    iz = to_integers(spread(cell, 2)) + lane_bit(2)
+    if dimensions == 3:
+        return SCALE_3 * interpolated(_slope3(lookup3(ix, iy, iz, 3), dx, dy, dz), share)
+    iw, dw = to_integers(spread(cell, 3)), spread(f, 3)
+    here = interpolated(_slope4(lookup3_of_4(ix, iy, iz, iw), dx, dy, dz, dw), share)
+    iw = iw + splat_int8(np.int32(1))
+    there = interpolated(_slope4(lookup3_of_4(ix, iy, iz, iw), dx, dy, dz, dw - splat8(ONE)), share)
+    return SCALE_4 * (here + lane(share, np.int32(3)) * (there - here))
 
 
 @inlined_kernel
-def _repeat(x):
-    moved = x - np.trunc(x / PERIOD) * PERIOD
-    return moved + 0.5 if abs(x) >= FAR else moved
+def _repeated(p):
+    moved = p - truncated(p * splat4(ONE / PERIOD)) * splat4(PERIOD)
+    return choose(splat4(FAR) <= absolutes(p), moved + splat4(HALF), moved)
 
 
 @inlined_kernel
 def _fade(t):
     """From 0 to 1 with two derivatives that vanish at both ends."""
-    return t * t * t * (t * (t * 6.0 - 15.0) + 10.0)
-
-
-@inlined_kernel
-def _weight(t, axis):
-    """How much each corner counts, for a point that is the share `t` of a cell along an axis."""
-    u = _fade(t)
-    return splat8(ONE - u) + to_floats(lane_bit(axis)) * splat8(u + u - ONE)
+    return t * t * t * (t * (t * splat4(SIX) - splat4(FIFTEEN)) + splat4(TEN))
 
 
 # ---- Slopes: the product of a corner's gradient and the way from there -----------------------------------------------
@@ -99,9 +104,9 @@ def _slope3(h, x, y, z):
 
 @inlined_kernel
 def _slope4(h, x, y, z, w):
-    """Towards the 32 edges of a hypercube; `w` is the same for all lanes."""
+    """Towards the 32 edges of a hypercube."""
     k = h & splat_int8(np.int32(31))
     u = choose(k < splat_int8(np.int32(24)), x, y)
     v = choose(k < splat_int8(np.int32(16)), y, z)
-    s = choose(k < splat_int8(np.int32(8)), z, splat8(w))
+    s = choose(k < splat_int8(np.int32(8)), z, w)
     return negate_where_bit(u, h, 0) + negate_where_bit(v, h, 1) + negate_where_bit(s, h, 2)

@@ -20,12 +20,15 @@ from .cells import (
     Point4,
     VoronoiMetric,
     added,
+    bound_beyond,
     bounds_from,
     cell_count,
+    cells_beside,
     color_of,
     distance_of,
     distances_from,
     floored,
+    length_of,
     lessened,
     mixed,
     offset_of,
@@ -72,15 +75,29 @@ scratch_points = scratch_record(SCRATCH_POINTS)
 
 @kernel
 def voronoi(
-    p, w, dimensions, feature, metric, scale, detail, roughness, lacunarity, smoothness, exponent, randomness, normalize
+    p,
+    w,
+    dimensions,
+    feature,
+    metric,
+    scale,
+    detail,
+    roughness,
+    lacunarity,
+    smoothness,
+    exponent,
+    randomness,
+    normalize,
+    only_distance,
 ):
     """The node, at a point that is not scaled yet. In one dimension `w` counts, in four p and `w`, else p.
 
     `detail`, `roughness` and `lacunarity` are those of fBM noise, and lay octaves over each other. `normalize` divides
-    a distance by the largest there can be.
+    a distance by the largest there can be. `only_distance`: nobody asks for the other outputs, which may be anything.
     """
     # Integers of one size, so that nothing below is compiled for another one too.
     dimensions, metric, feature, normalize = np.int64(dimensions), np.int64(metric), np.int64(feature), normalize != 0
+    only_distance = only_distance != 0
     detail, roughness = min(max(detail, 0.0), 15.0), min(max(roughness, 0.0), 1.0)
     randomness = min(max(randomness, 0.0), 1.0)
     smoothness = min(max(0.5 * smoothness, 0.0), 0.5)
@@ -95,7 +112,9 @@ def voronoi(
     if feature == VoronoiFeature.DISTANCE_TO_EDGE:
         distance = _fractal_edge(lattice, point, detail, roughness, lacunarity, normalize)
         return VoronoiSample(distance, BLACK, BLACK, ZERO, ZERO)
-    found = _fractal(lattice, point, feature, smoothness, detail, roughness, lacunarity, normalize)
+    found = _fractal(lattice, point, feature, smoothness, detail, roughness, lacunarity, normalize, only_distance)
+    if only_distance:
+        return VoronoiSample(found.distance, BLACK, BLACK, ZERO, ZERO)
     q = found.position
     undo = 1.0 / scale if scale != 0.0 else ZERO
     if dimensions == 1:
@@ -107,7 +126,7 @@ def voronoi(
 
 
 @kernel
-def _fractal(lattice, p, feature, smoothness, detail, roughness, lacunarity, normalize):
+def _fractal(lattice, p, feature, smoothness, detail, roughness, lacunarity, normalize, only_distance):
     """Octaves of F1, F2 or smooth F1: distances and colours added, positions mixed."""
     scale, amplitude, total = ONE, ONE, ZERO
     distance, color, position = ZERO, BLACK, Point4(ZERO, ZERO, ZERO, ZERO)
@@ -115,7 +134,7 @@ def _fractal(lattice, p, feature, smoothness, detail, roughness, lacunarity, nor
     whole = int(detail) + 1
     for octave in range(1 if single else int(np.ceil(detail)) + 1):
         share = ONE if octave < whole else detail - np.floor(detail)
-        found = _octave(lattice, scaled(p, scale), feature, smoothness)
+        found = _octave(lattice, scaled(p, scale), feature, smoothness, only_distance)
         if single:
             distance, color, position, total = found.distance, found.color, found.position, ONE
         else:
@@ -133,18 +152,19 @@ def _fractal(lattice, p, feature, smoothness, detail, roughness, lacunarity, nor
 
 
 @kernel
-def _octave(lattice, p, feature, smoothness):
+def _octave(lattice, p, feature, smoothness, only_distance):
     if feature == VoronoiFeature.SMOOTH_F1 and smoothness > 0.0:
         return smooth_nearest(lattice, p, smoothness)
     cell = floored(p)
     local = subtracted(p, cell)
     found = nearest(lattice, cell, local, NONE)
     if feature == VoronoiFeature.F2:
-        found = nearest(lattice, cell, local, found)
-    offset = offset_of(lattice, found, 3)
-    point = point_of(lattice, cell, offset)
-    color = color_of(lattice, cell, offset)
-    return Octave(distance_of(lattice, subtracted(point, local)), color, added(point, cell))
+        found = nearest(lattice, cell, local, found.number)
+    distance = length_of(lattice, found.bound)
+    if only_distance:
+        return Octave(distance, BLACK, cell)
+    offset = offset_of(lattice, found.number, 3)
+    return Octave(distance, color_of(lattice, cell, offset), added(point_of(lattice, cell, offset), cell))
 
 
 @kernel
@@ -183,22 +203,37 @@ def _greatest_distance(lattice, feature):
 # ---- Searches. A cell is named by its number among its neighbours, x fastest -----------------------------------------
 
 
+class Nearest(NamedTuple):
+    number: np.int32  # of the cell
+    bound: np.float32  # of its point's distance, as by `bounds_from`
+
+
 @kernel
 def nearest(lattice, cell, p, excluded):
-    """The number of that of the 3^n cells around `cell` whose point is nearest to `p`, given from the cell's corner."""
+    """That of the 3^n cells around `cell` whose point is nearest to `p`, given from the cell's corner.
+
+    Two times of three the eight cells beside `p` have a point that is nearer than all others can be.
+    """
     count = cell_count(3, lattice.dimensions)
-    best, best_number = splat8(INFINITY), splat_int8(np.int32(0))
-    for first in range(0, count, 8):
-        number = splat_int8(np.int32(first)) + lane_numbers()
+    best, best_number, least = splat8(INFINITY), splat_int8(np.int32(0)), INFINITY
+    first = -8 if lattice.dimensions < 4 else 0
+    while first < count:
+        number = splat_int8(np.int32(first)) + lane_numbers() if first >= 0 else cells_beside(lattice, p)
         points = points_of(lattice, cell, number, 3)
         d = bounds_from(lattice, points, p)
         unfit = (splat_int8(np.int32(count - 1)) < number) | (number == splat_int8(np.int32(excluded)))
         d = choose(unfit, splat8(INFINITY), d)
-        closer = d < best
+        closer = (d < best) | ((d <= best) & (number < best_number))
         best, best_number = choose(closer, d, best), choose(closer, number, best_number)
-    least = least_lane(best)
+        if first < 0:
+            least = least_lane(best)
+            if least < bound_beyond(lattice, p):
+                break
+        first += 8
+    if first >= 0:
+        least = least_lane(best)
     ties = to_floats(choose(best <= splat8(least), best_number, splat_int8(np.int32(count))))
-    return np.int32(least_lane(ties))
+    return Nearest(np.int32(least_lane(ties)), least)
 
 
 @kernel
@@ -251,7 +286,7 @@ def edge_distance(lattice, p):
         left = point_of(lattice, cell, Point4(-ONE, ZERO, ZERO, ZERO)).x
         right = point_of(lattice, cell, Point4(ONE, ZERO, ZERO, ZERO)).x
         return min(abs(0.5 * (middle + left) - local.x), abs(0.5 * (middle + right) - local.x))
-    found = nearest(lattice, cell, local, NONE)
+    found = nearest(lattice, cell, local, NONE).number
     here = subtracted(point_of(lattice, cell, offset_of(lattice, found, 3)), local)
     count = cell_count(3, lattice.dimensions)
     best = splat8(np.float32(3.4e38))
@@ -278,10 +313,10 @@ def sphere_radius(lattice, p):
     """Half the distance of the nearest point to the one nearest to it, in any case Euclidean."""
     lattice = Lattice(lattice.dimensions, np.int64(VoronoiMetric.EUCLIDEAN), ONE, lattice.randomness)
     cell = floored(p)
-    offset = offset_of(lattice, nearest(lattice, cell, subtracted(p, cell), NONE), 3)
+    offset = offset_of(lattice, nearest(lattice, cell, subtracted(p, cell), NONE).number, 3)
     point = point_of(lattice, cell, offset)
     cell = added(cell, offset)  # the search goes on around the point that was found
     point = subtracted(point, offset)
     centre = np.int32(cell_count(3, lattice.dimensions) // 2)
-    other = point_of(lattice, cell, offset_of(lattice, nearest(lattice, cell, point, centre), 3))
+    other = point_of(lattice, cell, offset_of(lattice, nearest(lattice, cell, point, centre).number, 3))
     return 0.5 * distance_of(lattice, subtracted(other, point))
