@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Texture nodes."""
 
+import bpy
+
 from ..core import graph, opcodes
 from .images import export_image
 from .node_inputs import vector_input
@@ -134,7 +136,8 @@ def _voronoi(values, node, output, groups):
     numbers = ("W", "Scale", "Detail", "Roughness", "Lacunarity", "Smoothness", "Exponent", "Randomness")
     mode = _dimensions(node.voronoi_dimensions) + 8 * opcodes.VoronoiFeature[node.feature]
     mode += 64 * opcodes.VoronoiMetric[node.distance] + 256 * int(node.normalize)
-    result = _procedural(values, node, groups, Op.VORONOI, (), numbers, mode)
+    op = Op.VORONOI_OF_4 if bpy.app.version < (5, 0) else Op.VORONOI
+    result = _procedural(values, node, groups, op, (), numbers, mode)
     parts = {"Distance": (0, 1), "Color": (1, 3), "Position": (4, 3), "W": (7, 1), "Radius": (8, 1)}
     return graph.part(result, *parts[output.identifier])
 

@@ -93,7 +93,6 @@ CASES = {
     "Glass bent": bent(node("Glass", Color=COLOR, Roughness=0.5)),
     "Translucent bent": bent(node("Translucent", Color=COLOR)),
     "Sheen bent": bent(node("Sheen", Color=COLOR, Roughness=0.5)),
-    "Velvet bent": bent(node("Sheen", {"distribution": "ASHIKHMIN"}, Color=COLOR, Roughness=0.5)),
     "Toon bent": bent(node("Toon", Color=COLOR, Size=0.7, Smooth=0.3)),
     "Glossy bent away": bent(node("Glossy", Color=COLOR, Roughness=0.5), normal=(0.1, 0.9, -0.3)),
     "Diffuse bent away": bent(node("Diffuse", Color=COLOR), normal=(0.1, 0.9, -0.3)),
@@ -103,9 +102,10 @@ CASES = {
     "Principled sheen under a bent coat": bent(principled(Coat_Weight=0.5, Sheen_Weight=1.0), "Coat Normal"),
 }
 FILM = {"Thin Film Thickness": 420.0, "Thin Film IOR": 1.4}
-if bpy.app.version >= (5, 0):  # earlier ones have other tables for films, few of them, and no panes
+if bpy.app.version >= (5, 0):  # earlier ones have other tables for films, no panes, and velvet that shines from below
     PHYSICAL = {"fresnel_type": "PHYSICAL_CONDUCTOR"}
     CASES |= {
+        "Velvet bent": bent(node("Sheen", {"distribution": "ASHIKHMIN"}, Color=COLOR, Roughness=0.5)),
         "Metallic film": node("Metallic", **{"Base Color": COLOR, "Edge Tint": TINT, "Roughness": 0.4, **FILM}),
         "Metallic film by index": node("Metallic", PHYSICAL, Roughness=0.4, **FILM),
         "Glass film": node("Glass", {"distribution": "GGX"}, Roughness=0.4, **FILM),

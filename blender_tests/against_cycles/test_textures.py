@@ -3,6 +3,7 @@
 
 import functools
 
+import bpy
 import numpy as np
 import pytest
 
@@ -16,6 +17,7 @@ from engine_core.texture.gradient import GradientKind, gradient
 from engine_core.texture.magic import magic
 from engine_core.texture.noise import NoiseKind, noise
 from engine_core.texture.voronoi import VoronoiFeature, voronoi
+from engine_core.texture.voronoi_of_4 import voronoi_of_4
 from engine_core.texture.wave import WaveDirection, WaveKind, WaveProfile, wave
 from engine_core.texture.white_noise import white_noise
 
@@ -96,7 +98,8 @@ def voronoi_cases():
 
 
 def our_voronoi(dimensions, feature, metric, normalize, numbers, p, q, w):
-    return voronoi(p, w, dimensions, int(feature), int(metric), *numbers, normalize, False)
+    function = voronoi_of_4 if bpy.app.version < (5, 0) else voronoi
+    return function(p, w, dimensions, int(feature), int(metric), *numbers, normalize, False)
 
 
 def picked(ours, *rest):

@@ -71,7 +71,7 @@ def random_graph(rng, size):
         signature = SIGNATURES[op]
         data = {"curves": curve, "images": images[rng.integers(5)], "attribute": rng.choice(["paint", "none"])}
         operands = [random_value(rng, pool, width) for width in signature.operands]
-        if op in (Op.NOISE, Op.VORONOI):  # octaves take their time, and a mode may be no noise at all
+        if op in (Op.NOISE, Op.VORONOI, Op.VORONOI_OF_4):  # octaves take their time, and a mode may be no noise at all
             operands[3] = float(rng.random())
         pool.append(node(op, *operands, mode=int(rng.integers(signature.modes)), data=data.get(signature.table)))
     return pool

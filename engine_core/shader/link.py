@@ -22,6 +22,7 @@ FAMILIES = {
     Entry.PATTERN: patterns.run,
     Entry.NOISE: noises.run_noise,
     Entry.VORONOI: noises.run_voronoi,
+    Entry.VORONOI_OF_4: noises.run_voronoi_of_4,
     Entry.GABOR: noises.run_gabor,
     Entry.LIGHTING: lighting.run,
     Entry.LINES: lines.run,
@@ -58,10 +59,11 @@ def address(entry):
         return _entries[entry].address
 
 
-def compile_all():
+def compile_all(but=()):
     """Have machine code of all entry points, so that no scene has to wait for it."""
     for entry in (*FAMILIES, *MACHINE, *_others):
-        address(entry)
+        if entry not in but:
+            address(entry)
 
 
 def kernels(families, has_programs, others=()):

@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Noise, Voronoi and Gabor textures: much code each, so each is an entry point of its own."""
 
+from ..jit import variant
 from ..linalg.registers import store_float, store_vector
 from ..texture.gabor import gabor
 from ..texture.noise import noise
 from ..texture.voronoi import voronoi
+from ..texture.voronoi_of_4 import voronoi_of_4
 from .opcodes import ONLY_DISTANCE
 from .operands import give_both, number, vector
 
@@ -55,6 +57,9 @@ def run_voronoi(scene, op, point, registers):
     store_vector(registers, op.out + 4, sample.position)
     store_float(registers, op.out + 7, sample.w)
     store_float(registers, op.out + 8, sample.radius)
+
+
+run_voronoi_of_4 = variant(run_voronoi, "of_blender_4", voronoi=voronoi_of_4)
 
 
 def run_gabor(scene, op, point, registers):

@@ -41,6 +41,7 @@ class Entry(IntEnum):
     PROBES = 15  # rays that programs send, see integrator/probes.py
     LAYERS = 16  # of lobes that cover light: see integrator/layers.py
     PANE = 17  # what shadow rays see of a material that may have smooth thin walls: likewise
+    VORONOI_OF_4 = 18
 
 
 class Op(IntEnum):
@@ -89,6 +90,7 @@ class Op(IntEnum):
     WAVE = 85
     NOISE = 90
     VORONOI = 100
+    VORONOI_OF_4 = 101  # as in Blender 4, which has other points
     GABOR = 110
     SKY = 120
     DAYLIGHT = 121
@@ -289,6 +291,7 @@ SIGNATURES = {
     Op.WAVE: Signature(Entry.PATTERN, (3, 1, 1, 1, 1, 1, 1), 1, 24),
     Op.NOISE: Signature(Entry.NOISE, (3, 1, 1, 1, 1, 1, 1, 1, 1), 4, 256),
     Op.VORONOI: Signature(Entry.VORONOI, (3, 1, 1, 1, 1, 1, 1, 1, 1), 9, 2 * ONLY_DISTANCE),
+    Op.VORONOI_OF_4: Signature(Entry.VORONOI_OF_4, (3, 1, 1, 1, 1, 1, 1, 1, 1), 9, 2 * ONLY_DISTANCE),
     Op.GABOR: Signature(Entry.GABOR, (3, 1, 1, 1, 1, 3), 3, 4),
     # direction, elevation, azimuth, size, intensity of the sun, horizon, bottom and top of its disk
     Op.SKY: Signature(Entry.LIGHTING, (3, 1, 1, 1, 1, 1, 3, 3), 3, len(SkyTable), "images"),

@@ -51,7 +51,7 @@ class ProgramTables:
         read = _floats_read(order, wanted)
         for n in order:
             op = self._op(n, registers, known)
-            if n.op == Op.VORONOI and read[n] == {0}:
+            if n.op in (Op.VORONOI, Op.VORONOI_OF_4) and read[n] == {0}:
                 op["mode"] |= ONLY_DISTANCE
             self.ops.append(op)
         for row, fields in closures:

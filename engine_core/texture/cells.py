@@ -26,7 +26,7 @@ from ..linalg.simd_int import (
 )
 from ..linalg.vec3 import Vec3, lerp
 from . import hash8
-from .hash import pcg2, pcg3, pcg4, random_color
+from .hash import Random4, pcg2, pcg3, pcg4, random_color, random_of_1
 
 ZERO, ONE, TWO, THREE, FIVE = (np.float32(x) for x in (0.0, 1.0, 2.0, 3.0, 5.0))
 HALF, THIRD, FIFTH = np.float32(0.5), np.float32(1.0 / 3.0), np.float32(0.2)
@@ -88,17 +88,20 @@ def offset_of(lattice, number, side):
 @kernel
 def point_of(lattice, cell, offset):
     """The point of one cell, from the corner of the cell that offsets are counted from."""
-    n, r = lattice.dimensions, lattice.randomness
-    at = added(cell, offset)
-    if n == 1:
-        return Point4(offset.x + random_color(at.x, ZERO, ZERO, ZERO, 1).x * r, ZERO, ZERO, ZERO)
-    if n == 2:
-        u = pcg2(np.int32(at.x), np.int32(at.y))
-    elif n == 3:
-        u = pcg3(np.int32(at.x), np.int32(at.y), np.int32(at.z))
-    else:
-        u = pcg4(np.int32(at.x), np.int32(at.y), np.int32(at.z), np.int32(at.w))
+    u, r = place_in(lattice.dimensions, added(cell, offset)), lattice.randomness
     return Point4(offset.x + u.x * r, offset.y + u.y * r, offset.z + u.z * r, offset.w + u.w * r)
+
+
+@kernel
+def place_in(n, at):
+    """Where in its cell the point is that belongs to a cell: n numbers in 0 to 1."""
+    if n == 1:
+        return Random4(random_of_1(at.x), ZERO, ZERO, ZERO)
+    if n == 2:
+        return pcg2(np.int32(at.x), np.int32(at.y))
+    if n == 3:
+        return pcg3(np.int32(at.x), np.int32(at.y), np.int32(at.z))
+    return pcg4(np.int32(at.x), np.int32(at.y), np.int32(at.z), np.int32(at.w))
 
 
 @kernel
@@ -141,33 +144,39 @@ class Points8(NamedTuple):
 
 @inlined_kernel
 def points_of(lattice, cell, number, side):
-    """The points of eight cells by their numbers, as `_point`; `side` is 3 or 5."""
-    n, r = lattice.dimensions, splat8(lattice.randomness)
-    zero = splat8(ZERO)
+    """The points of eight cells by their numbers, as `point_of`; `side` is 3 or 5."""
+    n, r, zero = lattice.dimensions, splat8(lattice.randomness), splat8(ZERO)
     width, share = splat8(THREE if side == 3 else FIVE), splat8(THIRD if side == 3 else FIFTH)
     middle = splat8(ONE if side == 3 else TWO)
     q = to_floats(number)
     x, q = _digit(q, share, width)
-    x = x - middle
+    x, y, z, w = x - middle, zero, zero, zero
+    if n > 1:
+        y, q = _digit(q, share, width)
+        y = y - middle
+    if n > 2:
+        z, q = _digit(q, share, width)
+        z = z - middle
+    if n > 3:
+        w = q - middle
+    u = places_in(n, Points8(x + splat8(cell.x), y + splat8(cell.y), z + splat8(cell.z), w + splat8(cell.w)))
+    return Points8(x + u.x * r, y + u.y * r, z + u.z * r, w + u.w * r)
+
+
+@inlined_kernel
+def places_in(n, at):
+    """`place_in` of eight cells."""
+    zero = splat8(ZERO)
     if n == 1:
         none = splat_int8(np.int32(0))
-        u = hash8.unit_floats(hash8.lookup3(bits_of_floats(x + splat8(cell.x)), none, none, 1))
-        return Points8(x + u * r, zero, zero, zero)
-    y, q = _digit(q, share, width)
-    y = y - middle
-    ix, iy = to_integers(x + splat8(cell.x)), to_integers(y + splat8(cell.y))
+        u = hash8.unit_floats(hash8.lookup3(bits_of_floats(at.x), none, none, 1))
+        return hash8.Random4Lanes(u, zero, zero, zero)
+    x, y = to_integers(at.x), to_integers(at.y)
     if n == 2:
-        u = hash8.pcg2(ix, iy)
-        return Points8(x + u.x * r, y + u.y * r, zero, zero)
-    z, q = _digit(q, share, width)
-    z = z - middle
-    iz = to_integers(z + splat8(cell.z))
+        return hash8.pcg2(x, y)
     if n == 3:
-        u = hash8.pcg3(ix, iy, iz)
-        return Points8(x + u.x * r, y + u.y * r, z + u.z * r, zero)
-    w = q - middle
-    u = hash8.pcg4(ix, iy, iz, to_integers(w + splat8(cell.w)))
-    return Points8(x + u.x * r, y + u.y * r, z + u.z * r, w + u.w * r)
+        return hash8.pcg3(x, y, to_integers(at.z))
+    return hash8.pcg4(x, y, to_integers(at.z), to_integers(at.w))
 
 
 @inlined_kernel
@@ -187,7 +196,7 @@ def distance_of(lattice, d):
     if lattice.dimensions == 1:
         return x
     if lattice.metric == VoronoiMetric.MANHATTAN:
-        return x + y + z + w
+        return (x + y) + (z + w)
     if lattice.metric == VoronoiMetric.CHEBYCHEV:
         return max(max(x, y), max(z, w))
     if lattice.metric == VoronoiMetric.MINKOWSKI:
@@ -198,13 +207,16 @@ def distance_of(lattice, d):
 
 @inlined_kernel
 def bounds_from(lattice, points, p):
-    """What grows with the distance of eight points from `p`, and costs less."""
+    """What grows with the distance of eight points from `p`, and costs less.
+
+    Sums are made in pairs, as by Cycles: points of cells like (1, 2, 1, 2) can be equally far, which rounding decides.
+    """
     x, y = absolutes(points.x - splat8(p.x)), absolutes(points.y - splat8(p.y))
     z, w = absolutes(points.z - splat8(p.z)), absolutes(points.w - splat8(p.w))
     if lattice.metric == VoronoiMetric.EUCLIDEAN or lattice.dimensions == 1:
         return x * x + y * y + z * z + w * w
     if lattice.metric == VoronoiMetric.MANHATTAN:
-        return x + y + z + w
+        return (x + y) + (z + w)
     if lattice.metric == VoronoiMetric.CHEBYCHEV:
         return maximum(maximum(x, y), maximum(z, w))
     e = splat8(lattice.exponent)

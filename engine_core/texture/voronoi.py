@@ -110,9 +110,9 @@ def voronoi(
     if feature == VoronoiFeature.N_SPHERE_RADIUS:
         return VoronoiSample(ZERO, BLACK, BLACK, ZERO, sphere_radius(lattice, point))
     if feature == VoronoiFeature.DISTANCE_TO_EDGE:
-        distance = _fractal_edge(lattice, point, detail, roughness, lacunarity, normalize)
+        distance = octaves_of_edges(lattice, point, detail, roughness, lacunarity, normalize)
         return VoronoiSample(distance, BLACK, BLACK, ZERO, ZERO)
-    found = _fractal(lattice, point, feature, smoothness, detail, roughness, lacunarity, normalize, only_distance)
+    found = octaves(lattice, point, feature, smoothness, detail, roughness, lacunarity, normalize, only_distance)
     if only_distance:
         return VoronoiSample(found.distance, BLACK, BLACK, ZERO, ZERO)
     q = found.position
@@ -126,7 +126,7 @@ def voronoi(
 
 
 @kernel
-def _fractal(lattice, p, feature, smoothness, detail, roughness, lacunarity, normalize, only_distance):
+def octaves(lattice, p, feature, smoothness, detail, roughness, lacunarity, normalize, only_distance):
     """Octaves of F1, F2 or smooth F1: distances and colours added, positions mixed."""
     scale, amplitude, total = ONE, ONE, ZERO
     distance, color, position = ZERO, BLACK, Point4(ZERO, ZERO, ZERO, ZERO)
@@ -134,7 +134,7 @@ def _fractal(lattice, p, feature, smoothness, detail, roughness, lacunarity, nor
     whole = int(detail) + 1
     for octave in range(1 if single else int(np.ceil(detail)) + 1):
         share = ONE if octave < whole else detail - np.floor(detail)
-        found = _octave(lattice, scaled(p, scale), feature, smoothness, only_distance)
+        found = octave_of(lattice, scaled(p, scale), feature, smoothness, only_distance)
         if single:
             distance, color, position, total = found.distance, found.color, found.position, ONE
         else:
@@ -152,7 +152,7 @@ def _fractal(lattice, p, feature, smoothness, detail, roughness, lacunarity, nor
 
 
 @kernel
-def _octave(lattice, p, feature, smoothness, only_distance):
+def octave_of(lattice, p, feature, smoothness, only_distance):
     if feature == VoronoiFeature.SMOOTH_F1 and smoothness > 0.0:
         return smooth_nearest(lattice, p, smoothness)
     cell = floored(p)
@@ -168,7 +168,7 @@ def _octave(lattice, p, feature, smoothness, only_distance):
 
 
 @kernel
-def _fractal_edge(lattice, p, detail, roughness, lacunarity, normalize):
+def octaves_of_edges(lattice, p, detail, roughness, lacunarity, normalize):
     """Octaves of the distance to the edge: an octave cuts finer edges into the cells, as deep as its amplitude."""
     scale, amplitude, distance = ONE, ONE, np.float32(8.0)
     greatest = 0.5 + 0.5 * lattice.randomness
