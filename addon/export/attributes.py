@@ -4,6 +4,8 @@
 import bpy
 import numpy as np
 
+from .normals import corner_normals, flat_corners
+
 ACTIVE_COLOR = "<active colour>"  # names that no attribute of an artist has
 TANGENT = "<tangent> "
 ISLANDS = "<random per island>"
@@ -139,10 +141,8 @@ def _triangulated(b_mesh, corners, name):
     result.vertices.add(len(b_mesh.vertices))
     result.loops.add(count)
     result.polygons.add(count // 3)
-    positions, normals = np.empty(len(b_mesh.vertices) * 3, np.float32), np.empty(len(b_mesh.loops) * 3, np.float32)
-    uvs = np.empty(len(b_mesh.loops) * 2, np.float32)
+    positions, uvs = np.empty(len(b_mesh.vertices) * 3, np.float32), np.empty(len(b_mesh.loops) * 2, np.float32)
     b_mesh.attributes["position"].data.foreach_get("vector", positions)
-    b_mesh.corner_normals.foreach_get("vector", normals)
     b_mesh.uv_layers[name].uv.foreach_get("vector", uvs)
     result.attributes["position"].data.foreach_set("vector", positions)
     vertices = _owners(b_mesh, "POINT")[corners]
@@ -152,19 +152,11 @@ def _triangulated(b_mesh, corners, name):
     result.update(calc_edges=True)
     p0, p1, p2 = positions.reshape(-1, 3)[vertices].reshape(-1, 3, 3).swapaxes(0, 1)
     own = _unit(np.cross(p1 - p0, p2 - p0)).astype(np.float32)
-    normals = np.where(_flat(b_mesh)[corners][:, None], np.repeat(own, 3, axis=0), normals.reshape(-1, 3)[corners])
+    normals = np.where(
+        flat_corners(b_mesh)[corners][:, None], np.repeat(own, 3, axis=0), corner_normals(b_mesh)[corners]
+    )
     result.attributes.new("custom_normal", "FLOAT_VECTOR", "CORNER").data.foreach_set("vector", normals.ravel())
     return result
-
-
-def _flat(b_mesh):
-    """Which corners belong to flat faces, bool (loops,)."""
-    sharp = b_mesh.attributes.get("sharp_face")
-    if sharp is None:
-        return np.full(len(b_mesh.loops), b_mesh.normals_domain == "FACE")
-    values = np.empty(len(b_mesh.polygons), bool)
-    sharp.data.foreach_get("value", values)
-    return values[_owners(b_mesh, "FACE")]
 
 
 def _edges(b_mesh):

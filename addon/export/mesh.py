@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .attributes import mesh_attributes
+from .normals import corner_normals
 
 DEFAULT_RADIUS = 0.01  # of a point without a radius, in metres, as in Cycles
 
@@ -95,7 +96,7 @@ def _normals(b_mesh, corners, triangles):
         return None
     if b_mesh.normals_domain == "POINT":
         return read(b_mesh.vertex_normals, "vector", len(b_mesh.vertices), np.float32, 3)[triangles]
-    return read(b_mesh.corner_normals, "vector", len(b_mesh.loops), np.float32, 3)[corners]
+    return corner_normals(b_mesh)[corners]
 
 
 def _uvs(b_mesh, corners):

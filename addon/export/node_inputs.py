@@ -3,6 +3,7 @@
 
 import math
 
+import bpy
 import numpy as np
 
 from ..core import graph, opcodes
@@ -213,6 +214,7 @@ def _normal_map(values, node, output, groups):
     if space == "TANGENT":
         name = attributes.TANGENT + node.uv_map
         tangent, sign = attribute(name), attribute(name, 1, 3)
+        space = "TANGENT_OF_4" if bpy.app.version < (5, 0) else space
     return graph.node(Op.NORMAL_MAP, color, strength, tangent, sign, mode=opcodes.NormalSpace[space])
 
 

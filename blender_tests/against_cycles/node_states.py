@@ -27,6 +27,18 @@ Written by `python -m blender_tests.against_cycles.node_states`.
 | node | state | what is different |
 |---|---|---|
 """
+TAIL = """
+## Blender 4.5
+
+Nodes mean what Cycles of the same Blender makes of them. In 4.5 the Voronoi texture has other points; tangent space of
+normal maps stands on normals as long as interpolation leaves them; and normals of smooth faces are not split from flat
+ones beside them. Where Cycles 4.5 is in error and that of 5.2 no longer is, it is as in 5.2:
+
+- a velvet Sheen BSDF whose normal is bent is black in light from below the smooth surface;
+- colours of image files of bytes in other spaces than sRGB are converted in full (Cycles 4.5 rounds them before, and is
+  off by up to 1.3 %);
+- colours of IRIS, WebP and JPEG 2000 files that have an alpha channel are multiplied by it, as those of PNG files are.
+"""
 # What is left out of nodes that are translated
 PARTLY = {
     "BSDF_HAIR_PRINCIPLED": "the Huang model is rendered as the Chiang model",
@@ -51,7 +63,7 @@ OF_BLENDER = {"Closure Input", "Closure Output", "Evaluate Closure"}  # resolved
 def text():
     """The page."""
     rows = sorted(f"| {label} | {state} | {note} |" for label, state, note in map(row, node_classes()))
-    return HEAD.format(version=bpy.app.version_string) + "\n".join(rows) + "\n"
+    return HEAD.format(version=bpy.app.version_string) + "\n".join(rows) + "\n" + TAIL
 
 
 def node_classes():

@@ -166,6 +166,7 @@ class NormalSpace(IntEnum):
     TANGENT = 0
     OBJECT = 1
     WORLD = 2
+    TANGENT_OF_4 = 3  # as in Blender 4: the normal, too, is as long as interpolation leaves it
 
 
 class Interpolation(IntEnum):

@@ -123,9 +123,11 @@ def normal_map(scene, op, point, registers):
     v = c * 2.0 - Vec3(1.0, 1.0, 1.0)
     n = load3(point, "ns")
     outside = -n if point.backfacing else n
-    if op.mode == NormalSpace.TANGENT:
+    is_tangent = op.mode == NormalSpace.TANGENT or op.mode == NormalSpace.TANGENT_OF_4
+    if is_tangent:
         v = Vec3(v.x * strength, v.y * strength, 1.0 + (v.z - 1.0) * min(strength, ONE))
-        mapped = in_tangent_space(scene, point, vector(op, registers, 2), number(op, registers, 3), v, outside)
+        tangent, sign = vector(op, registers, 2), number(op, registers, 3)
+        mapped = in_tangent_space(scene, point, tangent, sign, v, outside, op.mode == NormalSpace.TANGENT)
     elif op.mode == NormalSpace.OBJECT and point.instance >= 0:
         mapped = safe_normalize(
             transform_normal(instance_at(scene, point.instance, point.time, new_instance()), "to_object", v)
@@ -134,15 +136,16 @@ def normal_map(scene, op, point, registers):
         mapped = safe_normalize(v)
     if point.backfacing:
         mapped = -mapped
-    if op.mode != NormalSpace.TANGENT:
+    if not is_tangent:
         mapped = safe_normalize(n + (mapped - n) * strength)
     give_vector(op, registers, n if is_black(mapped) else mapped)
 
 
 @kernel
-def in_tangent_space(scene, point, tangent, sign, v, outside):
+def in_tangent_space(scene, point, tangent, sign, v, outside, normalized):
     """The vector `v` of the frame that normal and tangent make in object space. The tangent is as long as interpolation
-    leaves it, for which pictures of normals are made. `outside`, the normal, where there is no tangent."""
+    leaves it, for which pictures of normals are made; so is the normal unless it is to be `normalized`. `outside`, the
+    normal, where there is no tangent."""
     if is_black(tangent) or point.kind != TreeKind.TRIANGLES or point.instance < 0:
         return outside
     instance = instance_at(scene, point.instance, point.time, new_instance())
@@ -152,7 +155,9 @@ def in_tangent_space(scene, point, tangent, sign, v, outside):
         n0 = safe_normalize(transform_normal(instance, "to_world", n0))
         n1 = safe_normalize(transform_normal(instance, "to_world", n1))
         n2 = safe_normalize(transform_normal(instance, "to_world", n2))
-    n = safe_normalize(n0 * (1.0 - point.b1 - point.b2) + n1 * point.b1 + n2 * point.b2)
+    n = n0 * (1.0 - point.b1 - point.b2) + n1 * point.b1 + n2 * point.b2
+    if normalized:
+        n = safe_normalize(n)
     mapped = safe_normalize(tangent * v.x + cross(n, tangent) * (sign * v.y) + n * v.z)
     return safe_normalize(transform_normal(instance, "to_object", mapped))
 
