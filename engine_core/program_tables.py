@@ -72,7 +72,7 @@ CLOSURE = np.dtype(
         ("anisotropy", "f4"),
         ("smooth", "f4"),  # TOON; HAIR: roughness around the fibre
         ("ior", "f4"),
-        ("edge_tint", "f4", (3,)),  # METALLIC, CONDUCTOR; PRINCIPLED: specular tint
+        ("edge_tint", "f4", (3,)),  # METALLIC, CONDUCTOR; PRINCIPLED: specular tint; HAIR: see `shares`
         ("metallic", "f4"),
         ("melanin", "f4"),  # this and the next six: HAIR
         ("redness", "f4"),  # share of pheomelanin

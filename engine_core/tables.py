@@ -71,10 +71,11 @@ class LobeKind(IntEnum):
     HAIR = 15  # all that a coloured dielectric fibre does: alpha_x, alpha_y, alpha_r its widths, f82 its absorption
     HAIR_REFLECTION = 16  # of the Hair node: g is the tilt of the scales, as an angle
     HAIR_TRANSMISSION = 17  # likewise
+    HAIR_FACETS = 18  # as HAIR, by microfacets: alpha_x and alpha_y its roughness, f0 how much of R, TT and TRT
 
 
 TRANSMITTING = (LobeKind.DIELECTRIC, LobeKind.REFRACTION, LobeKind.TRANSLUCENT, LobeKind.THIN_WALL)
-TRANSMITTING += (LobeKind.HAIR, LobeKind.HAIR_TRANSMISSION)
+TRANSMITTING += (LobeKind.HAIR, LobeKind.HAIR_TRANSMISSION, LobeKind.HAIR_FACETS)
 
 
 class Facets(IntEnum):

@@ -269,8 +269,6 @@ class Translation:
         return m.Hair(i.color("Color"), tangent=tangent, transmits=i.node.component == "Transmission", **values)
 
     def _bsdf_hair_principled(self, i):
-        if i.node.model == "HUANG":
-            self.warn(i.node, "the Huang model is not rendered yet; Chiang instead")
         values = {name: i.number(socket) for name, socket in PRINCIPLED_HAIR_SOCKETS.items()}
         values["random"] = i.number("Random")
         if not i.is_linked("Random"):  # what is set there is for surfaces without strands
@@ -282,6 +280,13 @@ class Translation:
             values["random"] = 0.0
         if i.node.model == "HUANG":
             values["radial_roughness"], values["coat"] = values["roughness"], 0.0
+            shares = [i.number(f"{way} lobe") for way in ("R", "TT", "TRT")]
+            is_fixed = all(map(graph.is_constant, shares))
+            if is_fixed and max(shares) <= 0.0:
+                return m.Black()
+            values["shares"] = tuple(shares) if is_fixed else graph.node(opcodes.Op.COMBINE, *shares)
+            if i.number("Aspect Ratio") != 1.0:
+                self.warn(i.node, "cross-sections of hair are round, whatever their aspect ratio")
         if i.node.parametrization == "MELANIN":
             values["melanin"], values["melanin_redness"] = i.number("Melanin"), i.number("Melanin Redness")
             values["tint"] = i.color("Tint")

@@ -41,7 +41,7 @@ ones beside them. Where Cycles 4.5 is in error and that of 5.2 no longer is, it 
 """
 # What is left out of nodes that are translated
 PARTLY = {
-    "BSDF_HAIR_PRINCIPLED": "the Huang model is rendered as the Chiang model",
+    "BSDF_HAIR_PRINCIPLED": "by the Huang model, cross-sections are round",
     "BSDF_RAY_PORTAL": "transparent instead",
     "EEVEE_SPECULAR": "a Principled BSDF instead; Cycles does not render it at all",
     "LIGHT_PATH": "portals: 0; what samples a lamp or a world sees a depth of 0",

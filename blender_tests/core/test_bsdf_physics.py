@@ -20,6 +20,7 @@ from engine_core.tables import TRANSMITTING, LobeKind
 # The place across a fibre is told by the view (Chiang et al. 2016), the Hair node's lobes are densities.
 NOT_RECIPROCAL = {
     "HAIR",
+    "HAIR_FACETS",
     "HAIR_REFLECTION",
     "HAIR_TRANSMISSION",
     "TOON_DIFFUSE",
@@ -28,7 +29,9 @@ NOT_RECIPROCAL = {
     "DIELECTRIC film",
     "DIELECTRIC film from inside",
 }
-HAVE_SIDES = [case for case, (kind, _) in ALL_CASES.items() if kind != LobeKind.HAIR]  # light goes all around a fibre
+HAVE_SIDES = [
+    case for case, (kind, _) in ALL_CASES.items() if kind not in (LobeKind.HAIR, LobeKind.HAIR_FACETS)
+]  # light goes all around a fibre
 COSINES = np.cos(np.radians([0.0, 20.0, 45.0, 60.0, 75.0, 85.0, 89.0])).astype(np.float32)
 
 

@@ -82,6 +82,13 @@ CASES = {
         "smooth": {**HAIR, "alpha_x": 0.0064, "alpha_y": 0.024, "alpha_r": 0.0014, "f82": (0.1, 0.2, 0.1)},
         "roughest": {**HAIR, "alpha_x": 27.0, "alpha_y": 4.2, "alpha_r": 1.0, "g": 0.3, "f82": (0.1, 0.2, 0.1)},
     },
+    LobeKind.HAIR_FACETS: {
+        "brown": {**_widths(0.3), "ior": 1.55, "g": 0.035, "f82": (0.3, 0.6, 1.4)},
+        "white": {**_widths(0.3), "ior": 1.55, "g": 0.035, "f82": (0.0, 0.0, 0.0)},
+        "smooth": {**_widths(0.08), "ior": 1.55, "f82": (0.1, 0.2, 0.1)},
+        "rough": {**_widths(0.8), "ior": 1.4, "g": 0.2, "f82": (0.1, 0.2, 0.1)},
+        "without R": {**_widths(0.3), "ior": 1.55, "g": 0.035, "f82": (0.1, 0.2, 0.4), "f0": (0.0, 1.0, 2.0)},
+    },
     LobeKind.HAIR_REFLECTION: {"": _widths(0.2, 0.4), "wide": {**_widths(0.9, 1.0), "g": -0.2}},
     LobeKind.HAIR_TRANSMISSION: {"": _widths(0.2, 0.4), "wide": {**_widths(0.9, 1.0), "g": -0.2}},
     LobeKind.REFRACTION: {

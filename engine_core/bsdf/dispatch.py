@@ -22,7 +22,7 @@ import numpy as np
 from ..jit import kernel
 from ..linalg.vec3 import BLACK, WHITE, Vec3, average, dot, is_black, load3, max_component, store3
 from ..tables import FresnelKind, LobeKind, Visibility
-from . import coating, conductor, dielectric, hair, thin_wall
+from . import coating, conductor, dielectric, hair, hair_facets, thin_wall
 from .energy import set_roughness
 from .kinds import is_delta, is_mirror, lobe_albedo, lobe_evaluate_and_pdf, lobe_sample, mirror_value
 from .lobe import ONE, ZERO, has_no_sides, is_fibre, is_matt
@@ -86,6 +86,8 @@ def sample(bsdf, wo, u_lobe, u0, u1):
         return BsdfSample(BLACK, BLACK, ZERO, lobe.kind, False, False)
     if lobe.kind == LobeKind.HAIR:  # what counts is whether light has been inside, not where it leaves
         is_transmission = hair.goes_through(lobe, to_local(frame, wo), u)
+    if lobe.kind == LobeKind.HAIR_FACETS:
+        is_transmission = hair_facets.goes_through(lobe, to_local(frame, wo), u)
     weight, density = load3(lobe, "weight") * s.weight, pmf * s.pdf
     if lobe.frame > 0 and not s.is_delta:
         weight = weight * bump_shadowing(bsdf, lobe, wi)

@@ -81,6 +81,12 @@ def glass_albedo(lobe, cos):
     return _volume(side, _index(lobe.ior), lobe.roughness, _view(cos, lobe.alpha))
 
 
+@kernel
+def glass_share(ior, alpha, cos):
+    """The same of glass with GGX facets of that width, whatever it is part of."""
+    return _volume(GLASS_INSIDE if ior < 1.0 else GLASS, _index(ior), math.sqrt(alpha), _view(cos, alpha))
+
+
 # ---- Compensation ----------------------------------------------------------------------------------------------------
 
 

@@ -78,7 +78,7 @@ def sample(lobe, wo, u_choice, u0, u1):
 def albedo(lobe, wo):
     fibre, total = fibre_of(lobe, wo), BLACK
     for p in range(WAYS):
-        total = total + _attenuation(fibre, p)
+        total = total + attenuation(fibre, p)
     return total
 
 
@@ -113,7 +113,7 @@ def fibre_of(lobe, wo):
 
 
 @kernel
-def _attenuation(fibre, p):
+def attenuation(fibre, p):
     """A of the way p: Fresnel's shares and what is absorbed (equations 12 and 13); of the last, the sum of the rest."""
     f = fibre.reflected
     if p == 0:
@@ -136,10 +136,10 @@ def _choose_way(fibre, u):
     """(p, u as good as new): each as often as it brings light."""
     total = ZERO
     for p in range(WAYS):
-        total += average(_attenuation(fibre, p))
+        total += average(attenuation(fibre, p))
     chosen, rest, share = 0, u * total, ZERO
     for p in range(WAYS):
-        own = average(_attenuation(fibre, p))
+        own = average(attenuation(fibre, p))
         if own > 0.0:
             chosen, share = p, own
             if rest < own:
@@ -155,11 +155,11 @@ def _scattered(lobe, fibre, sin_i, around):
     f, density, total = BLACK, ZERO, ZERO
     norm = 1.0 / (_logistic_cdf(PI, lobe.alpha_y) - _logistic_cdf(-PI, lobe.alpha_y))
     for p in range(WAYS):
-        A = _attenuation(fibre, p)
+        A = attenuation(fibre, p)
         share = average(A)
         if share > 0.0:
             sin_t, cos_t = _tilted(lobe, fibre, p)
-            spread = _along(sin_i, cos_i, sin_t, cos_t, _variance(lobe, p))
+            spread = along(sin_i, cos_i, sin_t, cos_t, _variance(lobe, p))
             if p == REST:
                 spread *= INV_TWO_PI
             else:
@@ -203,7 +203,7 @@ def _tilted(lobe, fibre, p):
 
 
 @kernel
-def _along(sin_i, cos_i, sin_o, cos_o, v):
+def along(sin_i, cos_i, sin_o, cos_o, v):
     """M: a density over the sphere (without 1 / 2 pi), for a cone of the sine -sin_o (d'Eon et al. 2011, equation 7).
 
     I0(a) exp(-b - 1/v) / (v (1 - exp(-2/v))) for a = cos cos / v and b = sin sin / v, where the exponents are taken

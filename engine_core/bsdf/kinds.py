@@ -11,6 +11,7 @@ from . import (
     dielectric,
     diffuse,
     hair,
+    hair_facets,
     hair_reflection,
     hair_transmission,
     refraction,
@@ -66,6 +67,8 @@ def lobe_evaluate_and_pdf(lobe, wo, wi):
         return hair_reflection.evaluate_and_pdf(lobe, wo, wi)
     if lobe.kind == LobeKind.HAIR_TRANSMISSION:
         return hair_transmission.evaluate_and_pdf(lobe, wo, wi)
+    if lobe.kind == LobeKind.HAIR_FACETS:
+        return hair_facets.evaluate_and_pdf(lobe, wo, wi)
     return nothing()
 
 
@@ -119,6 +122,8 @@ def lobe_sample(lobe, wo, u_choice, u0, u1):
         return hair_reflection.sample(lobe, wo, u_choice, u0, u1)
     if lobe.kind == LobeKind.HAIR_TRANSMISSION:
         return hair_transmission.sample(lobe, wo, u_choice, u0, u1)
+    if lobe.kind == LobeKind.HAIR_FACETS:
+        return hair_facets.sample(lobe, wo, u_choice, u0, u1)
     return no_direction()
 
 
@@ -161,6 +166,8 @@ def lobe_albedo(lobe, wo):
         return hair_reflection.albedo(lobe, wo)
     if lobe.kind == LobeKind.HAIR_TRANSMISSION:
         return hair_transmission.albedo(lobe, wo)
+    if lobe.kind == LobeKind.HAIR_FACETS:
+        return hair_facets.albedo(lobe, wo)
     return BLACK
 
 

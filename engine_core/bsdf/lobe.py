@@ -45,13 +45,13 @@ def is_matt(kind):
 @kernel
 def is_fibre(kind):
     """Whether a LobeKind scatters about the direction of a strand."""
-    return kind == LobeKind.HAIR or kind == LobeKind.HAIR_REFLECTION or kind == LobeKind.HAIR_TRANSMISSION
+    return LobeKind.HAIR <= kind <= LobeKind.HAIR_FACETS
 
 
 @kernel
 def has_no_sides(kind):
     """Whether a LobeKind does not ask on which side of the face a direction is."""
-    return kind == LobeKind.HAIR or kind == LobeKind.TRANSPARENT
+    return kind == LobeKind.HAIR or kind == LobeKind.HAIR_FACETS or kind == LobeKind.TRANSPARENT
 
 
 @kernel

@@ -239,7 +239,7 @@ def make_bsdf(scene, settings, walk, it, bsdf):
         not spreads or settings.refractive_caustics != 0,
     )
     if material.flags & MaterialFlag.HAIR.value:
-        lay_along(scene, bsdf, it)
+        lay_along(scene, bsdf, it, wo)
     if walk.side == EMERGING:
         walk.side = ABOVE
         bsdf_dispatch.become_matt(bsdf)

@@ -175,6 +175,7 @@ class PrincipledHair:
     random: float = 0.0  # 0 to 1
     random_color: float = 0.0
     random_roughness: float = 0.0
+    shares: tuple | None = None  # of what is reflected, passes, is reflected inside: by Huang's model; None: Chiang's
 
 
 @dataclass(frozen=True)
@@ -378,6 +379,7 @@ class _Flattening:
 
     def _principledhair(self, c, weight):
         values = {"smooth": c.radial_roughness, "tilt": c.offset, "redness": c.melanin_redness, "melanin": c.melanin}
+        values["edge_tint"] = c.shares
         for name in ("roughness", "coat", "ior", "random", "random_color", "random_roughness"):
             values[name] = getattr(c, name)
         kind, color = ClosureKind.HAIR_COLOR, c.color

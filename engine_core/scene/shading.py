@@ -15,7 +15,7 @@ from .displace import undisplaced
 from .materials import Diffuse, flatten, lower
 
 GREY = Diffuse((0.5, 0.5, 0.5))
-FIBRES = (LobeKind.HAIR, LobeKind.HAIR_REFLECTION, LobeKind.HAIR_TRANSMISSION)
+FIBRES = (LobeKind.HAIR, LobeKind.HAIR_REFLECTION, LobeKind.HAIR_TRANSMISSION, LobeKind.HAIR_FACETS)
 HAIR_CLOSURES = (ClosureKind.HAIR_COLOR, ClosureKind.HAIR_MELANIN, ClosureKind.HAIR_ABSORPTION)
 HAIR_CLOSURES += (ClosureKind.HAIR_REFLECTION, ClosureKind.HAIR_TRANSMISSION)
 TRANSMITTING_CLOSURES = (ClosureKind.GLASS, ClosureKind.REFRACTION, ClosureKind.TRANSLUCENT, ClosureKind.PRINCIPLED)

@@ -132,7 +132,7 @@ def add_hair(bsdf, c, weight):
             set_strand(bsdf.lobes[i], c)
             bsdf.lobes[i].fresnel = 0 if is_black(load3(c, "tangent")) else 1
         return
-    i = new_lobe(bsdf, LobeKind.HAIR, weight, 0)
+    i = new_lobe(bsdf, LobeKind.HAIR if is_black(load3(c, "edge_tint")) else LobeKind.HAIR_FACETS, weight, 0)
     if i >= 0:
         set_fibre(bsdf.lobes[i], c)
 

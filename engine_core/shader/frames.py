@@ -10,8 +10,10 @@ import numpy as np
 
 from ..jit import kernel
 from ..linalg.frame import frame_from_normal
+from ..linalg.scalar_math import float_bits
 from ..linalg.vec3 import BLACK, cross, dot, is_black, load3, normalize, store3
 from ..linalg.vector_math import safe_normalize
+from ..sampling.rng import hash_float
 from ..shape.interaction import is_strand, tangents
 from ..tables import MAX_FRAMES, LobeKind
 
@@ -45,7 +47,7 @@ def complete_frames(bsdf):
 
 
 @kernel
-def lay_along(scene, bsdf, it):
+def lay_along(scene, bsdf, it, wo):
     """Give lobes of FIBRES frames that lie along the strand: x its direction, z as near to the normal as can be.
 
     On other surfaces Cycles lays principled hair along the first edge of the triangle, the Hair node's lobes along the
@@ -56,6 +58,9 @@ def lay_along(scene, bsdf, it):
         lobe = bsdf.lobes[i]
         if lobe.kind == LobeKind.HAIR:
             _lay(bsdf, lobe, load3(it, "ng"), tangent)
+        elif lobe.kind == LobeKind.HAIR_FACETS:
+            n = load3(it, "ng") if is_strand(scene, it) else _anywhere_across(it, wo, tangent)
+            _lay(bsdf, lobe, n, tangent)
         elif lobe.kind == LobeKind.HAIR_REFLECTION or lobe.kind == LobeKind.HAIR_TRANSMISSION:
             given = load3(bsdf.frames[lobe.frame], "s")
             if lobe.fresnel == 0:
@@ -63,6 +68,15 @@ def lay_along(scene, bsdf, it):
                 if not is_strand(scene, it):
                     lobe.g = ZERO
             _lay(bsdf, lobe, load3(it, "ns"), given)
+
+
+@kernel
+def _anywhere_across(it, wo, tangent):
+    """The normal where a ray might hit a hair that lies there: by chance, as far as the bits of the place are that."""
+    p, along = load3(it, "p"), safe_normalize(tangent)
+    h = 2.0 * hash_float(float_bits(p.x), float_bits(p.y), float_bits(p.z)) - 1.0
+    side = safe_normalize(cross(along, wo))
+    return cross(side, along) * math.sqrt(1.0 - h * h) + side * h
 
 
 @kernel

@@ -12,8 +12,10 @@ import numpy as np
 from ..jit import kernel
 from ..linalg.vec3 import Vec3, load3, store3
 from ..program_tables import ClosureKind
+from ..tables import LobeKind
 from .maths import saturate
 
+ZERO = np.float32(0.0)
 ONE, LEAST_ROUGHNESS, LEAST_LIGHT = np.float32(1.0), np.float32(0.001), np.float32(1e-4)
 LEAST_COLOR = np.float32(1e-30)
 ROOT_PI_8 = np.float32(math.sqrt(math.pi / 8.0))
@@ -42,11 +44,16 @@ def set_fibre(lobe, c):
             absorbed = absorbed + absorption_of_melanin(amount * (1.0 - c.redness), amount * c.redness)
         store3(lobe, "f82", absorbed)
     along = _rough(along)
+    lobe.ior = max(c.ior, ONE)
+    lobe.g = math.sin(c.tilt)
+    if lobe.kind == LobeKind.HAIR_FACETS:
+        shares = load3(c, "edge_tint")
+        store3(lobe, "f0", Vec3(max(shares.x, ZERO), max(shares.y, ZERO), max(shares.z, ZERO)))
+        lobe.alpha_x = lobe.alpha_y = along
+        return
     lobe.alpha_x = longitudinal_variance(along)
     lobe.alpha_y = azimuthal_scale(_rough(around))
     lobe.alpha_r = longitudinal_variance(_rough(along * (1.0 - saturate(c.coat))))
-    lobe.ior = max(c.ior, ONE)
-    lobe.g = math.sin(c.tilt)
 
 
 @kernel
