@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Hair looks as in Cycles: a tuft of strands."""
 
+import functools
 import math
 
 import bpy
 import numpy as np
+import pytest
 
 from blender_tests.helpers.cycles import cycles_picture
 from blender_tests.helpers.engines import open_for_both, render_with
@@ -13,7 +15,7 @@ from blender_tests.helpers.exported import add, empty_scene
 SIZE, SEEDS, SAMPLES = (32, 32), 8, 64
 
 
-def tuft():
+def tuft(model="CHIANG"):
     """Strands on a ball of the air, in grey light from everywhere and in the sun."""
     scene = empty_scene()
     scene.camera.data.type, scene.camera.data.ortho_scale = "ORTHO", 4.0
@@ -34,11 +36,11 @@ def tuft():
     b_curves.attributes["position"].data.foreach_set("vector", keys.astype(np.float32).ravel())
     radii = b_curves.attributes.new("radius", "FLOAT", "POINT")
     radii.data.foreach_set("value", np.tile(np.float32(0.05 - 0.03 * t), len(root)))
-    b_curves.materials.append(_coloured_hair())
+    b_curves.materials.append(_coloured_hair(model))
     add("Tuft", b_curves)
 
 
-def _coloured_hair():
+def _coloured_hair(model):
     """Redder towards the tips, and of several shades."""
     b_material = bpy.data.materials.new("Hair")
     if bpy.app.version < (5, 0):
@@ -48,6 +50,8 @@ def _coloured_hair():
     info, mix = tree.nodes.new("ShaderNodeHairInfo"), tree.nodes.new("ShaderNodeCombineColor")
     hair, output = tree.nodes.new("ShaderNodeBsdfHairPrincipled"), tree.nodes.new("ShaderNodeOutputMaterial")
     mix.inputs[1].default_value, hair.inputs["Random Roughness"].default_value = 0.4, 0.5
+    hair.model = model
+    next(s for s in hair.inputs if s.identifier == "Aspect Ratio").default_value = 1.0
     tree.links.new(info.outputs["Intercept"], mix.inputs[0])
     tree.links.new(info.outputs["Random"], mix.inputs[2])
     tree.links.new(mix.outputs[0], hair.inputs["Color"])
@@ -55,12 +59,17 @@ def _coloured_hair():
     return b_material
 
 
-def test_a_tuft_is_as_bright_as_in_cycles():
-    """The mean over the picture, by colour, but for what strands of a finite width differ from ribbons: 1 %."""
-    theirs = np.array([cycles_picture(tuft, SAMPLES, SIZE, seed)[..., :3].mean(axis=(0, 1)) for seed in range(SEEDS)])
-    scene = open_for_both(tuft, SIZE)
+@pytest.mark.parametrize(("model", "tolerance"), [("CHIANG", 0.01), ("HUANG", 0.02)])
+def test_a_tuft_is_as_bright_as_in_cycles(model, tolerance):
+    """The mean over the picture, by colour, but for what strands of a finite width differ from ribbons.
+
+    Of Huang's model Cycles evaluates another sum of what is reflected often than it samples.
+    """
+    build = functools.partial(tuft, model)
+    theirs = np.array([cycles_picture(build, SAMPLES, SIZE, seed)[..., :3].mean(axis=(0, 1)) for seed in range(SEEDS)])
+    scene = open_for_both(build, SIZE)
     ours = [render_with("LAMBENT", scene, SAMPLES, seed)[0][..., :3].mean(axis=(0, 1)) for seed in range(SEEDS)]
     ours = np.array(ours)
     error = np.sqrt((ours.var(axis=0, ddof=1) + theirs.var(axis=0, ddof=1)) / SEEDS)
     assert math.isfinite(ours.sum())
-    assert (np.abs(ours.mean(axis=0) - theirs.mean(axis=0)) < 5.0 * error + 0.01 * theirs.mean(axis=0)).all()
+    assert (np.abs(ours.mean(axis=0) - theirs.mean(axis=0)) < 5.0 * error + tolerance * theirs.mean(axis=0)).all()
