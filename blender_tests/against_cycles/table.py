@@ -20,6 +20,7 @@ from blender_tests.helpers.node_values import cycles_values, differences
 
 from . import (
     node_states,
+    test_closure_means,
     test_lobes,
     test_node_math,
     test_nodes,
@@ -50,6 +51,16 @@ of the pixels differ at most. (Where a function jumps, or at outlines, the other
 | node | mode | largest difference | why, where it is above 1e-3; or how it is compared |
 |---|---|---:|---|
 """
+MEANS = """
+## Balls of closures
+
+A ball of each closure under a sky and a sun, by both engines with {seeds} x {samples} samples a pixel: the mean over
+it (and over colours), by how much ours differs, and by how many of the standard errors that the {seeds} renders
+tell, where that is most.
+
+| closure | Cycles | difference | Z |
+|---|---:|---:|---:|
+"""
 ELSEWHERE = {  # nodes that give values, but none that a surface here shines with
     "Curves Info": "on strands of hair, by the mean of a picture (`test_hair.py`)",
     "Displacement": "by the surfaces that they move (`test_displacement.py`)",
@@ -77,7 +88,7 @@ def main():
     for (node, modes), differences_ in sorted(found.items()):
         rows.append(f"| {node} | {modes} | {len(differences_)} | {in_digits(max(differences_))} |")
     head = HEAD.format(version=bpy.app.version_string)
-    TARGET.write_text(head + "\n".join(rows) + "\n" + from_node_to_pixel(), encoding="utf-8")
+    TARGET.write_text(head + "\n".join(rows) + "\n" + from_node_to_pixel() + of_balls(), encoding="utf-8")
 
 
 def in_digits(difference):
@@ -99,6 +110,16 @@ def from_node_to_pixel():
         rows.append(f"| {node} | {name.removeprefix(node).strip()} | {in_digits(difference)} | {reason} |")
     rows += [f"| {node} | | | {how} |" for node, how in ELSEWHERE.items()]
     return TAIL.format(count=len(found)) + "\n".join(rows) + "\n"
+
+
+def of_balls():
+    """The third part of the page."""
+    rows = []
+    for name, means in test_closure_means.means().items():
+        ours, theirs, z = means.ours.mean(), means.theirs.mean(), means.z()
+        rows.append(f"| {name} | {theirs:.4f} | {100 * (ours / theirs - 1):+.2f} % | {z[np.argmax(np.abs(z))]:+.1f} |")
+    head = MEANS.format(seeds=test_closure_means.SEEDS, samples=test_closure_means.SAMPLES)
+    return head + "\n".join(rows) + "\n"
 
 
 def node_of(name, labels):
