@@ -8,7 +8,7 @@ numbers mean, Blender's nodes say; kinds are enums with Blender's names and numb
     noise.noise(p, w, dimensions, kind, detail, roughness, lacunarity, offset, gain, distortion, normalize, colored)
         -> value, color
     voronoi.voronoi(p, w, dimensions, feature, metric, scale, detail, roughness, lacunarity, smoothness, exponent,
-                    randomness, normalize) -> distance, color, position, w, radius
+                    randomness, normalize, only_distance) -> distance, color, position, w, radius
     wave.wave(p, kind, direction, profile, distortion, detail, detail_scale, detail_roughness, phase) -> number
     magic.magic(p, depth, distortion) -> Vec3
     brick.brick(p, color_1, color_2, mortar_color, mortar_size, mortar_smooth, bias, width, height,

@@ -14,7 +14,7 @@ import numpy as np
 
 from ..jit import kernel
 from ..linalg.vec3 import BLACK, Vec3, lerp
-from .perlin import perlin
+from .perlin import perlin, perlin_in_space
 
 ZERO, ONE = np.float32(0.0), np.float32(1.0)
 FAINT = np.float32(0.001)  # a hybrid multifractal ends where its octaves would weigh less
@@ -61,6 +61,8 @@ def noise(p, w, dimensions, kind, detail, roughness, lacunarity, offset, gain, d
     # Integers of one size, so that nothing below is compiled for another one too.
     dimensions, kind, normalize = np.int64(dimensions), np.int64(kind), normalize != 0
     detail, roughness = min(max(detail, 0.0), 15.0), max(roughness, 0.0)
+    if dimensions == 3 and kind == NoiseKind.FBM and distortion == 0.0 and not colored:
+        return NoiseSample(fbm_in_space(p, detail, roughness, lacunarity, normalize), BLACK)
     if dimensions == 1:
         p, w = Vec3(w, ZERO, ZERO), ZERO
     elif dimensions == 2:
@@ -98,6 +100,25 @@ def _offset(seed, dimensions):
 @kernel
 def _offset_w(seed, dimensions):
     return OFFSETS[seed, 3] if dimensions == 4 else ZERO
+
+
+@kernel
+def fbm_in_space(p, detail, roughness, lacunarity, normalize):
+    """What `fractal` gives of fBM in three dimensions, sooner: nearly all noise is such."""
+    octaves, last = int(detail) + 1, detail - np.floor(detail)
+    value, total, amplitude, scale, octave = ZERO, ZERO, ONE, ONE, 0
+    while True:
+        t = amplitude * perlin_in_space(p * scale)
+        if octave == octaves:
+            break
+        value, total = value + t, total + amplitude
+        octave += 1
+        if octave == octaves and last == 0.0:
+            return 0.5 * value / total + 0.5 if normalize else value
+        amplitude, scale = amplitude * roughness, scale * lacunarity
+    if normalize:
+        return lerp(0.5 * value / total + 0.5, 0.5 * (value + t) / (total + amplitude) + 0.5, last)
+    return value + last * t
 
 
 @kernel

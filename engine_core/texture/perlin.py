@@ -28,7 +28,7 @@ PERIOD = np.float32(100000.0)  # the lattice repeats, so that far from the origi
 FAR = np.float32(1000000.0)  # where there are none, half a cell is added: not all points shall be corners
 # Scales the sum of gradients to -1 to 1, for one to four dimensions; found by experiment (Open Shading Language).
 SCALE_1, SCALE_2, SCALE_3, SCALE_4 = np.float32(0.25), np.float32(0.6616), np.float32(0.982), np.float32(0.8344)
-ZERO = np.int32(0)
+ZERO, ZERO_FLOAT = np.int32(0), np.float32(0.0)
 HALF, ONE, SIX, TEN, FIFTEEN = (np.float32(x) for x in (0.5, 1.0, 6.0, 10.0, 15.0))
 
 
@@ -39,6 +39,8 @@ def perlin(p, w, dimensions):
     `p` is a Vec3. In one dimension p.x counts and in two p.x and p.y; the others have to be 0, and `w` too in less than
     four.
     """
+    if dimensions == 3:
+        return perlin_in_space(p)
     p4 = _repeated(lanes_of(p, w))
     cell = floors(p4)
     f = p4 - cell
@@ -53,13 +55,25 @@ def perlin(p, w, dimensions):
     if dimensions == 2:
         return SCALE_2 * interpolated(_slope2(lookup3(ix, iy, splat_int8(ZERO), 2), dx, dy), share)
     iz = to_integers(spread(cell, 2)) + lane_bit(2)
-    if dimensions == 3:
-        return SCALE_3 * interpolated(_slope3(lookup3(ix, iy, iz, 3), dx, dy, dz), share)
     iw, dw = to_integers(spread(cell, 3)), spread(f, 3)
     here = interpolated(_slope4(lookup3_of_4(ix, iy, iz, iw), dx, dy, dz, dw), share)
     iw = iw + splat_int8(np.int32(1))
     there = interpolated(_slope4(lookup3_of_4(ix, iy, iz, iw), dx, dy, dz, dw - splat8(ONE)), share)
     return SCALE_4 * (here + lane(share, np.int32(3)) * (there - here))
+
+
+@inlined_kernel
+def perlin_in_space(p):
+    """`perlin` of three dimensions, which most materials ask for: put into its callers, who have it in loops."""
+    p4 = _repeated(lanes_of(p, ZERO_FLOAT))
+    cell = floors(p4)
+    f = p4 - cell
+    dx = spread(f, 0) - to_floats(lane_bit(0))
+    dy = spread(f, 1) - to_floats(lane_bit(1))
+    dz = spread(f, 2) - to_floats(lane_bit(2))
+    ix, iy = to_integers(spread(cell, 0)) + lane_bit(0), to_integers(spread(cell, 1)) + lane_bit(1)
+    h = lookup3(ix, iy, to_integers(spread(cell, 2)) + lane_bit(2), 3)
+    return SCALE_3 * interpolated(_slope3(h, dx, dy, dz), _fade(f))
 
 
 @inlined_kernel

@@ -5,6 +5,7 @@ In one to four dimensions, by one body of code: the cells around a point are gon
 the number of dimensions says how many there are, 3 or 5 to the power of it.
 """
 
+import math
 from enum import IntEnum
 from typing import NamedTuple
 
@@ -31,6 +32,7 @@ from .cells import (
     length_of,
     lessened,
     mixed,
+    nearest_in_space,
     offset_of,
     point_of,
     points_of,
@@ -41,6 +43,7 @@ from .cells import (
 ZERO, ONE, HALF = np.float32(0.0), np.float32(1.0), np.float32(0.5)
 INFINITY = np.float32(np.inf)
 NONE = np.int32(-1)
+DIAGONAL = np.float32(math.sqrt(3.0))
 
 
 class VoronoiFeature(IntEnum):
@@ -101,8 +104,14 @@ def voronoi(
     detail, roughness = min(max(detail, 0.0), 15.0), min(max(roughness, 0.0), 1.0)
     randomness = min(max(randomness, 0.0), 1.0)
     smoothness = min(max(0.5 * smoothness, 0.0), 0.5)
-    lattice = Lattice(dimensions, metric, exponent, randomness)
     p, w = p * scale, w * scale
+    plain = dimensions == 3 and metric == VoronoiMetric.EUCLIDEAN and feature == VoronoiFeature.F1
+    if plain and only_distance and (detail == 0.0 or roughness == 0.0):
+        distance = math.sqrt(nearest_in_space(p, randomness))
+        if normalize:
+            distance /= DIAGONAL * (0.5 + 0.5 * randomness)
+        return VoronoiSample(distance, BLACK, BLACK, ZERO, ZERO)
+    lattice = Lattice(dimensions, metric, exponent, randomness)
     if dimensions == 1:
         point = Point4(w, ZERO, ZERO, ZERO)
     else:
