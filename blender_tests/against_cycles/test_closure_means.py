@@ -12,13 +12,12 @@ import bpy
 import numpy as np
 import pytest
 
+from blender_tests.against_cycles import test_closures
+from blender_tests.against_cycles.test_closures import COLOR, TINT, principled
 from blender_tests.helpers.cycles import cycles_picture
 from blender_tests.helpers.engines import open_for_both, render_with
 from blender_tests.helpers.exported import add, empty_scene
 from blender_tests.helpers.lobe_values import node
-
-from . import test_closures
-from .test_closures import COLOR, TINT, principled
 
 CELL, SAMPLES, SEEDS = 12, 32, 6
 CASES = {name: case for name, case in test_closures.CASES.items() if "bent" not in name and "stretched" not in name}
