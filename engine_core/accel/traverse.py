@@ -63,7 +63,7 @@ def intersect_closest(scene, o, d, t_min, t_max, visibility, time, left):
     `left`: the Face that the ray leaves. Its own plane may seem to be in front of the origin, moved off it as it is:
     where a triangle is long and thin, rounding errors are as large as that step.
     """
-    world = scene.world[0]
+    world, visibility = scene.world[0], np.int32(visibility)  # one type, so that all below is compiled once
     hit = Hit(t_max, TRIANGLES, NONE, NONE, ZERO, ZERO)
     if world.instance_root >= 0:  # first, since a ground or a room is behind what stands in it
         hit = intersect_instances(scene, world.instance_root, o, d, t_min, t_max, visibility, left)

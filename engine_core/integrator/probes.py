@@ -81,7 +81,7 @@ def seed_of(point):
 
 @kernel
 def fraction(x):
-    return x - math.floor(x)
+    return x - np.float32(math.floor(x))
 
 
 @kernel
