@@ -50,7 +50,7 @@ OP = np.dtype(
         ("code", "i4"),  # shader/opcodes.py
         ("mode", "i4"),  # which variant of it
         ("data", "i4"),  # a row of the table that it reads
-        ("shift", "i4"),  # inputs: 0 here, 1 and 2 a bit further along the surface, for slopes
+        ("shift", "i4"),  # inputs: 0 here, else a bit further along the surface, for slopes: see graph.shifted
         ("out", "i4"),  # first register of the result
         ("register", "i4", (MAX_OPERANDS,)),  # first register of each operand; -1: the constant
         ("constant", "f4", (MAX_OPERANDS, 3)),
@@ -136,7 +136,7 @@ POINT = np.dtype(
         ("transparent_bounces", "i4"),
         ("time", "f4"),  # of the ray that came here, 0 to 1 while the shutter is open
         ("ray_length", "f4"),
-        ("footprint", "f4"),  # about the size of a pixel here, metres
+        ("footprint", "f4"),  # about a tenth of the size of a pixel here, metres
         ("b1", "f4"),
         ("b2", "f4"),
         ("uv", "f4", (2,)),

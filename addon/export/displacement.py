@@ -56,4 +56,6 @@ def bumped_normal(moved):
         Op.VECTOR_MATH, moved, vector_input(InputVector.NORMAL), ZERO3, 0.0, mode=opcodes.VectorMath.DOT_PRODUCT
     )
     height = graph.part(product, 3)
-    return graph.node(Op.BUMP, 1.0, 1.0, height, graph.shifted(height, 1), graph.shifted(height, 2), ZERO3, mode=0)
+    return graph.node(
+        Op.BUMP, 1.0, 1.0, height, graph.shifted(height, 1), graph.shifted(height, 2), ZERO3, opcodes.FOOTPRINT, mode=0
+    )

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..core import graph, opcodes
 from . import attributes, instance_values
+from .graph import by_identifier
 
 Op, InputVector, InputNumber = opcodes.Op, opcodes.InputVector, opcodes.InputNumber
 ZERO3 = (0.0, 0.0, 0.0)
@@ -197,8 +198,9 @@ def _bump(values, node, output, groups):
     normal = _normal_input(values, node, groups)
     if graph.is_constant(height):
         return normal if normal != ZERO3 else vector_input(InputVector.NORMAL)
-    nearby = (graph.shifted(height, 1), graph.shifted(height, 2))
-    return graph.node(Op.BUMP, strength, distance, height, *nearby, normal, mode=int(node.invert))
+    width = by_identifier(node.inputs, "Filter Width").default_value  # nothing can be linked to it
+    nearby = (graph.shifted(height, 1, width), graph.shifted(height, 2, width))
+    return graph.node(Op.BUMP, strength, distance, height, *nearby, normal, width, mode=int(node.invert))
 
 
 def _normal_map(values, node, output, groups):

@@ -295,6 +295,12 @@ case("Layer Weight Fresnel")(lambda tree: add(tree, "LayerWeight", {0: 0.3}).out
 case("Layer Weight Facing")(lambda tree: add(tree, "LayerWeight", {0: 0.3}).outputs[1])
 
 
+@case("Bump, slopes over some pixels")
+def _(tree):
+    noise = add(tree, "TexNoise", {"Vector": position(tree), "Scale": 3.0, "Detail": 8.0}).outputs[0]
+    return add(tree, "Bump", {"Height": noise, "Distance": 0.1, "Filter Width": 4.0}).outputs[0]
+
+
 @case("Bump")
 def _(tree):
     height = add(tree, "Math", {0: component(tree, "X"), 1: component(tree, "Y")}, operation="MULTIPLY")

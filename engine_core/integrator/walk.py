@@ -22,6 +22,7 @@ from ..program_tables import POINT
 from ..sampling.sobol8 import DIMENSIONS_PER_VERTEX
 from ..shader.evaluate import emission, fill_bsdf, has_program, holdout
 from ..shader.frames import lay_along
+from ..shader.opcodes import FOOTPRINT
 from ..shader.point import set_surface
 from ..shape.interaction import INTERACTION, make_interaction
 from ..tables import BSDF, CameraKind, LobeKind, MaterialFlag, TreeKind, Visibility
@@ -34,7 +35,7 @@ from .vacuum import clearness, go_through, pass_surface
 # two choices (which light, which lobe), a point on a light or two more choices, a direction, Russian roulette.
 FIRST_DIMENSION = 3
 FAR, ZERO, ONE, NONE = np.float32(np.inf), np.float32(0.0), np.float32(1.0), np.int64(-1)
-BUMP_WIDTH = np.float32(0.1)  # pixels, over which slopes of bumps are taken, as Cycles' filter width
+PIXELS = np.float32(FOOTPRINT)
 CAMERA = Visibility.CAMERA.value
 ABOVE, DESCENDING, EMERGING = 0, 1, 2  # of the path to the surface: scattered by it; about to walk below; coming out
 
@@ -185,7 +186,7 @@ def set_point(scene, settings, walk, it, hit):
     point, camera = walk.point, scene.camera[0]
     pixel = (camera.screen[1] - camera.screen[0]) / np.float32(settings.width)
     size = pixel * (walk.distance + hit.t) if camera.kind == CameraKind.PERSPECTIVE else pixel
-    set_surface(scene, point, it, hit, -load3(walk, "d"), walk.visibility, BUMP_WIDTH * size)
+    set_surface(scene, point, it, hit, -load3(walk, "d"), walk.visibility, PIXELS * size)
     point.ray_length = walk.distance + hit.t
     point.bounces = walk.bounces
     point.diffuse_bounces, point.glossy_bounces = walk.diffuse_bounces, walk.glossy_bounces

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .opcodes import SIGNATURES, Math, Op
+from .opcodes import DIRECTION_BITS, FOOTPRINT, MOST_STEPS, SIGNATURES, STEPS_PER_FOOTPRINT, Math, Op
 
 
 class GraphError(ValueError):
@@ -27,7 +27,7 @@ class Node:
     operands: tuple  # values
     mode: int = 0
     data: object = None  # Image, Tiles, Curve or name of an attribute
-    shift: int = 0  # 1, 2: a bit further along the surface
+    shift: int = 0  # not 0: a bit further along the surface, see `shifted`
 
     @property
     def width(self):
@@ -196,8 +196,10 @@ def _exact(value):
     return np.asarray(value, np.float32).tobytes() if is_constant(value) else value
 
 
-def shifted(value, shift):
-    """The same value a bit further along the surface: in direction 1 or 2 of its tangents."""
+def shifted(value, direction, pixels=FOOTPRINT):
+    """The same value a bit further along the surface: about so many pixels, in direction 1 or 2 of its tangents."""
+    steps = max(1, round(pixels / FOOTPRINT * STEPS_PER_FOOTPRINT))
+    shift = direction | min(steps, MOST_STEPS) << DIRECTION_BITS
     moved = {}
     for at in nodes_below([value]):
         operands = tuple(_replace(operand, moved) for operand in at.operands)

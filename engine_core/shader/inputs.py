@@ -12,10 +12,11 @@ from ..motion import instance_at, new_instance
 from ..shape import dispatch as shapes
 from ..shape import strand
 from ..tables import CameraKind, ShapeKind, TreeKind, Visibility
-from .opcodes import InputNumber, InputVector, Op
+from .opcodes import DIRECTION_BITS, STEPS_PER_FOOTPRINT, InputNumber, InputVector, Op
 from .operands import give_number, give_vector
 from .point import WORLD, surface_tangents
 
+STEP = np.float32(1.0 / STEPS_PER_FOOTPRINT)
 ZERO, ONE = np.float32(0.0), np.float32(1.0)
 
 
@@ -215,12 +216,13 @@ def object_vector(scene, point, mode, p):
 
 @kernel
 def place(point, shift):
-    """The point, or for `shift` 1 and 2 its neighbours in two directions, a footprint away."""
+    """The point, or for a `shift` of `graph.shifted` a neighbour of it in one of two directions."""
     p = load3(point, "p")
     if shift == 0:
         return p
     s, t = surface_tangents(load3(point, "ng"))
-    return p + (s if shift == 1 else t) * point.footprint
+    step = point.footprint * (np.float32(shift >> DIRECTION_BITS) * STEP)
+    return p + (s if shift & 3 == 1 else t) * step
 
 
 @kernel

@@ -211,6 +211,10 @@ ONLY_LOCAL = 1  # OCCLUSION, RAYCAST: a flag of their modes: rays meet the objec
 INSIDE = 2  # OCCLUSION: the rays go inwards
 UNASSOCIATE = 64  # IMAGE: a flag of its mode: divide colours by alpha
 INVERTED = 1  # BUMP
+FOOTPRINT = 0.1  # pixels that the footprint of a point is wide
+DIRECTION_BITS = 2  # of a shift; above them stands how far, in parts of a footprint:
+STEPS_PER_FOOTPRINT = 100
+MOST_STEPS = 1 << 24
 CLAMPED = 32  # MAP_RANGE, ROTATE and others: a flag of their modes: clamp the result, or the factor; or turn back
 CLAMPED_RESULT = 64  # MATH, BLEND
 ONLY_DISTANCE = 512  # VORONOI: a flag that the assembler sets where nobody reads more than the distance
@@ -278,7 +282,7 @@ SIGNATURES = {
     Op.TRANSFORM: Signature(Entry.VECTOR, (3, 3, 3, 3, 3), 3, 1),
     Op.ROTATE: Signature(Entry.VECTOR, (3, 3, 3, 1, 3), 3, 2 * CLAMPED),
     Op.CHANGE_SPACE: Signature(Entry.VECTOR, (3,), 3, 36, varies=True),
-    Op.BUMP: Signature(Entry.VECTOR, (1, 1, 1, 1, 1, 3), 3, 2, varies=True),
+    Op.BUMP: Signature(Entry.VECTOR, (1, 1, 1, 1, 1, 3, 1), 3, 2, varies=True),
     Op.NORMAL_MAP: Signature(Entry.VECTOR, (3, 1, 3, 1), 3, len(NormalSpace), varies=True),
     Op.FRESNEL: Signature(Entry.VECTOR, (1, 3), 1, 1, varies=True),
     Op.LAYER_WEIGHT: Signature(Entry.VECTOR, (1, 3), 1, 2, varies=True),

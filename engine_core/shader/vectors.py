@@ -11,10 +11,11 @@ from ..linalg.vec3 import BLACK, Vec3, cross, dot, is_black, load3, load3_at
 from ..linalg.vector_math import mapping, rotate, safe_normalize
 from ..motion import instance_at, new_instance
 from ..tables import TreeKind
-from .opcodes import CLAMPED, INVERTED, NormalSpace, Op, Space
+from .opcodes import CLAMPED, FOOTPRINT, INVERTED, NormalSpace, Op, Space
 from .operands import give_number, give_vector, number, vector
 from .point import surface_tangents
 
+PER_PIXEL = np.float32(1.0 / FOOTPRINT)
 ONE = np.float32(1.0)
 
 
@@ -96,17 +97,18 @@ def normal_or(point, n):
 
 @kernel
 def bump(op, point, registers):
-    """Tilt the normal as if the surface had a height (Mikkelsen 2010), known here and a footprint further."""
+    """Tilt the normal as if the surface had a height (Mikkelsen 2010), known here and so many pixels further."""
     strength, distance = max(number(op, registers, 0), 0.0), number(op, registers, 1)
     height = number(op, registers, 2)
     slope_s, slope_t = number(op, registers, 3) - height, number(op, registers, 4) - height
     n = normal_or(point, vector(op, registers, 5))
+    step = point.footprint * (number(op, registers, 6) * PER_PIXEL)
     if op.mode & INVERTED:
         distance = -distance
     if point.backfacing:
         distance = -distance
     s, t = surface_tangents(load3(point, "ng"))
-    ds, dt = s * point.footprint, t * point.footprint
+    ds, dt = s * step, t * step
     rs, rt = cross(dt, n), cross(n, ds)
     det = dot(ds, rs)
     gradient = rs * slope_s + rt * slope_t
