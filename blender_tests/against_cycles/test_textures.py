@@ -97,14 +97,14 @@ def voronoi_cases():
                         yield Case(f"{name} {outputs[0]}", "TexVoronoi", pick, outputs, settings, inputs)
 
 
-def our_voronoi(dimensions, feature, metric, normalize, numbers, p, q, w):
+def our_voronoi(dimensions, feature, metric, normalize, numbers, only_distance, p, q, w):
     function = voronoi_of_4 if bpy.app.version < (5, 0) else voronoi
-    return function(p, w, dimensions, int(feature), int(metric), *numbers, normalize, False)
+    return function(p, w, dimensions, int(feature), int(metric), *numbers, normalize, only_distance)
 
 
 def picked(ours, *rest):
     *outputs, p, q, w = rest
-    sample = ours(p, q, w)
+    sample = ours(outputs == ["Distance"], p, q, w)
     found = [getattr(sample, name.lower()) for name in outputs]
     return found[0] if len(found) == 1 else found
 

@@ -149,7 +149,7 @@ def nearest_in_space(p, randomness):
     lower, upper = f + splat4(ONE - randomness), splat4(ONE) - f
     side = choose(lower < upper, splat4(-ONE), splat4(ZERO))
     least = least_lane(
-        _squares(cell, side - f, side, to_floats(lane_bit(0)), to_floats(lane_bit(1)), to_floats(lane_bit(2)), r)
+        squares_to(cell, side - f, side, to_floats(lane_bit(0)), to_floats(lane_bit(1)), to_floats(lane_bit(2)), r)
     )
     beyond = maximum(lower, upper) * splat4(SAFE)
     beyond = min(lane(beyond, np.int32(0)), lane(beyond, np.int32(1)), lane(beyond, np.int32(2)))
@@ -159,18 +159,16 @@ def nearest_in_space(p, randomness):
     for first in range(0, 27, 8):
         x, q = _digit(to_floats(splat_int8(np.int32(first)) + lane_numbers()), splat8(THIRD), splat8(THREE))
         y, z = _digit(q, splat8(THIRD), splat8(THREE))
-        squares = _squares(cell, all_below - f, all_below, x, y, z, r)
+        squares = squares_to(cell, all_below - f, all_below, x, y, z, r)
         best = minimum(best, choose(z < splat8(THREE), squares, best))  # behind the last cell z is 3
     return least_lane(best)
 
 
 @inlined_kernel
-def _squares(cell, way, side, x, y, z, r):
+def squares_to(cell, way, side, x, y, z, r):
     """Of the distances to the points of eight cells, `x`, `y` and `z` from the one beside `cell` that `side` means."""
     first = cell + side
-    u = hash8.pcg3(
-        to_integers(spread(first, 0) + x), to_integers(spread(first, 1) + y), to_integers(spread(first, 2) + z)
-    )
+    u = places_in(3, Points8(spread(first, 0) + x, spread(first, 1) + y, spread(first, 2) + z, splat8(ZERO)))
     x, y, z = spread(way, 0) + x + u.x * r, spread(way, 1) + y + u.y * r, spread(way, 2) + z + u.z * r
     return x * x + y * y + z * z
 

@@ -64,9 +64,10 @@ def py_func(function):
 
 
 MEANINGS = {"place_in": place_in, "places_in": places_in, "color_of": color_of}
-for function in (cells.point_of, cells.points_of):
+for function in (cells.point_of, cells.points_of, cells.squares_to):
     MEANINGS[function.__name__] = inlined_kernel(variant(py_func(function), "of_blender_4", **MEANINGS))
 for function in (
+    cells.nearest_in_space,
     voronoi.nearest,
     voronoi.smooth_nearest,
     voronoi.edge_distance,
