@@ -28,7 +28,7 @@ from .lobe import ONE, ZERO, LobeSample, LobeValue, no_direction
 
 REST = 3  # number of the last way
 INV_TWO_PI = np.float32(0.5 / np.pi)
-LEAST_ESCAPE = np.float32(0.05)  # of what meets the surface from inside, for sampling alone
+LEAST_ESCAPE = np.float32(0.35)  # of what meets the surface from inside, for sampling alone: rough scales let some pass
 STEPS = np.float32(2.0**20)  # of components of directions
 LEAST_THROUGH = np.float32(1e-5)
 
