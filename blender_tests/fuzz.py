@@ -18,7 +18,7 @@ import time
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-PATIENCE_S, FIRST_PATIENCE_S = 300.0, 1800.0  # with one program; the first waits for compilation
+PATIENCE_S, FIRST_PATIENCE_S = 900.0, 1800.0  # with one program; the first waits for compilation, a rare one for some
 OUTPUT = 2000  # characters of what a process said before it died
 
 
