@@ -43,6 +43,15 @@ class BsdfSample(NamedTuple):
     is_transmission: bool  # wi is on the other side of the face
 
 
+class BumpShadowing(NamedTuple):
+    """What gets away of light that is scattered about a bent normal."""
+
+    matt: np.float32
+    glossy: np.float32
+
+
+UNSHADOWED = BumpShadowing(ONE, ONE)
+
 # ---- The trio --------------------------------------------------------------------------------------------------------
 
 
@@ -90,7 +99,7 @@ def sample(bsdf, wo, u_lobe, u0, u1):
         is_transmission = hair_facets.goes_through(lobe, to_local(frame, wo), u)
     weight, density = load3(lobe, "weight") * s.weight, pmf * s.pdf
     if lobe.frame > 0 and not s.is_delta:
-        weight = weight * bump_shadowing(bsdf, lobe, wi)
+        weight = weight * let_away(lobe.kind, bump_shadowing(bsdf, lobe.frame, wi))
     if bsdf.shadow_stretch > 1.0 and not is_transmission:
         weight = weight * _stretched(bsdf.shadow_stretch, s.wi.z)
     if bsdf.count > 1:
@@ -211,7 +220,7 @@ def _sum_lobes(bsdf, wo, wi, but, n):
     """
     f, density = BLACK, ZERO
     is_above = dot(n, wi) > 0.0
-    frame, wo_local, wi_local = -1, wo, wi
+    frame, wo_local, wi_local, shadowing = -1, wo, wi, UNSHADOWED
     mirror, reflection = -1, Reflection(ZERO, ZERO, ZERO)
     for i in range(bsdf.count):
         lobe = bsdf.lobes[i]
@@ -219,6 +228,8 @@ def _sum_lobes(bsdf, wo, wi, but, n):
             if lobe.frame != frame:
                 frame, mirror = lobe.frame, -1
                 wo_local, wi_local = to_local(bsdf.frames[frame], wo), to_local(bsdf.frames[frame], wi)
+                if frame > 0:
+                    shadowing = bump_shadowing(bsdf, frame, wi)
             if (wi_local.z > 0.0) == is_above or has_no_sides(lobe.kind):
                 if is_mirror(lobe.kind):
                     if mirror < 0 or not has_facets_of(lobe, bsdf.lobes[mirror]):
@@ -228,7 +239,7 @@ def _sum_lobes(bsdf, wo, wi, but, n):
                     value = lobe_evaluate_and_pdf(lobe, wo_local, wi_local)
                 lit = load3(lobe, "weight") * value.f
                 if frame > 0:
-                    lit = lit * bump_shadowing(bsdf, lobe, wi)
+                    lit = lit * let_away(lobe.kind, shadowing)
                 if bsdf.shadow_stretch > 1.0:
                     lit = lit * _stretched(bsdf.shadow_stretch, wi_local.z)
                 f, density = f + lit, density + lobe.pmf * value.pdf
@@ -246,28 +257,34 @@ def _density_of_lobe(bsdf, lobe, wo, wi):
 
 
 @kernel
-def bump_shadowing(bsdf, lobe, wi):
-    """Share of what a lobe with a bent normal scatters to wi that gets away.
+def bump_shadowing(bsdf, frame, wi):
+    """Share of what lobes with a bent normal scatter to wi that gets away, a BumpShadowing.
 
     None where the smooth normal and the bent one disagree on which side wi is. What matt lobes scatter is shadowed as
     by microfacets as steep as the bend (Conty Estevez, Lecocq and Stein 2019, "A Microfacet-Based Shadowing Function to
     Solve the Bump Terminator Problem"), so that light fades towards the horizon and is not cut off.
     """
-    if is_fibre(lobe.kind):
-        return ONE
-    n, smooth = load3(bsdf.frames[lobe.frame], "n"), load3(bsdf.frames[0], "n")
+    n, smooth = load3(bsdf.frames[frame], "n"), load3(bsdf.frames[0], "n")
     cos_i, cos_d = dot(smooth, wi), dot(smooth, n)
     if cos_i * cos_d * dot(n, wi) < 0.0:
-        return ZERO
-    if not (is_matt(lobe.kind) or lobe.kind == LobeKind.TRANSLUCENT) or lobe.kind == LobeKind.VELVET:
-        return ONE
+        return BumpShadowing(ZERO, ZERO)
     cos2_i, cos2_d = cos_i * cos_i, cos_d * cos_d
     if cos2_d >= 1.0 or cos2_i >= 1.0:
-        return ONE
+        return UNSHADOWED
     if cos2_i < 1e-12:
-        return ZERO
+        return BumpShadowing(ZERO, ONE)
     alpha2 = min(0.125 * (1.0 / cos2_d - 1.0), 1.0)
-    return 2.0 / (1.0 + math.sqrt(1.0 + alpha2 * (1.0 / cos2_i - 1.0)))
+    return BumpShadowing(2.0 / (1.0 + math.sqrt(1.0 + alpha2 * (1.0 / cos2_i - 1.0))), ONE)
+
+
+@kernel
+def let_away(kind, shadowing):
+    """The share that gets away of what a lobe of that LobeKind scatters."""
+    if is_fibre(kind):
+        return ONE
+    if (is_matt(kind) or kind == LobeKind.TRANSLUCENT) and kind != LobeKind.VELVET:
+        return shadowing.matt
+    return shadowing.glossy
 
 
 @kernel

@@ -257,7 +257,7 @@ def principled_frames(bsdf, c):
 @kernel
 def principled_stretch(anisotropy):
     """As the Principled BSDF stretches widths (Burley 2012, section 5.4)."""
-    return 1.0 / math.sqrt(1.0 - 0.9 * saturate(anisotropy))
+    return 1.0 / math.sqrt(1.0 - 0.9 * min(anisotropy, ONE)) if anisotropy > 0.0 else ONE
 
 
 @kernel
@@ -307,6 +307,8 @@ def set_alphas(lobe, roughness, stretch):
 @kernel
 def specular_ior(ior, level):
     """Index of refraction whose reflectance at normal incidence is that of `ior` times 2 `level`."""
+    if level == 0.5:
+        return ior
     f = (ior - 1.0) / (ior + 1.0)
     f0 = math.sqrt(min(f * f * 2.0 * max(level, ZERO), 0.99))
     adjusted = (1.0 + f0) / (1.0 - f0)

@@ -160,7 +160,7 @@ def in_tangent_space(scene, point, tangent, sign, v, outside, normalized):
     n = n0 * (1.0 - point.b1 - point.b2) + n1 * point.b1 + n2 * point.b2
     if normalized:
         n = safe_normalize(n)
-    mapped = safe_normalize(tangent * v.x + cross(n, tangent) * (sign * v.y) + n * v.z)
+    mapped = tangent * v.x + cross(n, tangent) * (sign * v.y) + n * v.z
     return safe_normalize(transform_normal(instance, "to_object", mapped))
 
 
