@@ -10,7 +10,7 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
-from .vec3 import LLVM_FLOAT, LLVM_INT, LLVM_VEC3, vec3
+from .vec3 import LLVM_FLOAT, load_floats, store_floats, vec3
 
 
 def _at(builder, row, index):
@@ -42,11 +42,7 @@ def load_vector(typing_context, row, index):
     """Three floats of a row from number `index` on, as a Vec3."""
 
     def lower(context, builder, sig, args):
-        at, v = _at(builder, args[0], args[1]), ir.Constant(LLVM_VEC3, [0.0] * 4)
-        for i in range(3):
-            x = builder.load(builder.gep(at, [ir.Constant(LLVM_INT, i)]), align=4)
-            v = builder.insert_element(v, x, ir.Constant(LLVM_INT, i))
-        return v
+        return load_floats(builder, _at(builder, args[0], args[1]))
 
     return vec3(row, types.int64), lower
 
@@ -54,10 +50,7 @@ def load_vector(typing_context, row, index):
 @intrinsic
 def store_vector(typing_context, row, index, v):
     def lower(context, builder, sig, args):
-        at = _at(builder, args[0], args[1])
-        for i in range(3):
-            x = builder.extract_element(args[2], ir.Constant(LLVM_INT, i))
-            builder.store(x, builder.gep(at, [ir.Constant(LLVM_INT, i)]), align=4)
+        store_floats(builder, _at(builder, args[0], args[1]), args[2])
         return context.get_dummy_value()
 
     return types.void(row, types.int64, vec3), lower

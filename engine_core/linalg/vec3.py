@@ -231,12 +231,24 @@ def _field_pointer(context, builder, row_type, row, name, index=None):
     return at
 
 
-def _load(builder, pointer):
+def load_floats(builder, pointer):
+    """A Vec3 from three floats; LLVM reads two of them at once."""
     v = ir.Constant(LLVM_VEC3, [0.0] * 4)
     for i in range(3):
         x = builder.load(builder.gep(pointer, [ir.Constant(LLVM_INT, i)]), align=4)
         v = builder.insert_element(v, x, ir.Constant(LLVM_INT, i))
     return v
+
+
+def store_floats(builder, pointer, v):
+    """Two floats and one, as they are read: who reads two at once waits until two stores have reached the cache."""
+    two = builder.shuffle_vector(v, v, ir.Constant(ir.VectorType(LLVM_INT, 2), [0, 1]))
+    builder.store(two, builder.bitcast(pointer, two.type.as_pointer()), align=4)
+    builder.store(
+        builder.extract_element(v, ir.Constant(LLVM_INT, 2)),
+        builder.gep(pointer, [ir.Constant(LLVM_INT, 2)]),
+        align=4,
+    )
 
 
 @intrinsic(prefer_literal=True)
@@ -245,7 +257,7 @@ def _load3(typing_context, row, name):
     field = name.literal_value
 
     def lower(context, builder, sig, args):
-        return _load(builder, _field_pointer(context, builder, sig.args[0], args[0], field))
+        return load_floats(builder, _field_pointer(context, builder, sig.args[0], args[0], field))
 
     return vec3(row, name), lower
 
@@ -256,7 +268,7 @@ def _load3_at(typing_context, row, name, index):
     field = name.literal_value
 
     def lower(context, builder, sig, args):
-        return _load(builder, _field_pointer(context, builder, sig.args[0], args[0], field, args[2]))
+        return load_floats(builder, _field_pointer(context, builder, sig.args[0], args[0], field, args[2]))
 
     return vec3(row, name, types.int64), lower
 
@@ -268,9 +280,7 @@ def _store3(typing_context, row, name, v):
 
     def lower(context, builder, sig, args):
         pointer = _field_pointer(context, builder, sig.args[0], args[0], field)
-        for i in range(3):
-            x = builder.extract_element(args[2], ir.Constant(LLVM_INT, i))
-            builder.store(x, builder.gep(pointer, [ir.Constant(LLVM_INT, i)]), align=4)
+        store_floats(builder, pointer, args[2])
         return context.get_dummy_value()
 
     return types.void(row, name, vec3), lower
