@@ -102,15 +102,11 @@ def _source(context, b_object, geometries):
     geometry = _geometry(context, b_object, geometries)
     if geometry is None:
         return Source(None, (), b_object.name, Visibility.ALL, 0, Aim.AUTOMATIC, Terminator())
-    materials = export_materials(context, b_object)
+    materials = export_materials(context, b_object, _is_holdout(context, b_object))
     if type(b_object.data).__name__ != "Mesh" or _shape(b_object) != "MESH":
         materials = (materials[min(first_slot(b_object.data), len(materials) - 1)],)
-    for flag, text in (
-        (b_object.is_shadow_catcher, "shadow catchers are not rendered yet; it is an ordinary object"),
-        (_is_holdout(context, b_object), "holdouts are not rendered yet; it is an ordinary object"),
-    ):
-        if flag:
-            context.warn(b_object.name, text)
+    if b_object.is_shadow_catcher:
+        context.warn(b_object.name, "shadow catchers are not rendered yet; it is an ordinary object")
     if context.placed is not None and deforms(b_object):
         context.warn(b_object.name, "its deformation is not blurred yet, only its movement")
     visibility = _visibility(context, b_object)

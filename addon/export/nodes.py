@@ -51,6 +51,11 @@ def material_surface(context, b_material):
     return translation.closure(surface, ())
 
 
+def seen_as_hole(surface):
+    """The same closure for all rays but those of the camera, which see a hole in the picture; None stays None."""
+    return surface and m.Mix(number_input(opcodes.InputNumber.IS_CAMERA), surface, m.Holdout())
+
+
 def material_displacement(context, b_material):
     """(how far a material moves a mesh, three numbers or a value, world space; whether normals stay as they are).
 

@@ -129,3 +129,21 @@ def test_it_looks_as_in_cycles(name):
     assert ours.mean() == pytest.approx(theirs.mean(), rel=0.005)
     assert abs(ours - theirs).max() < 0.03 * theirs.max()
     assert np.isfinite(ours).all()
+
+
+def hole():
+    """A holdout above the floor, which has its colour and casts a shadow; both are seen in a mirror, too."""
+    stage()
+    give(suzanne(is_holdout=True), "BsdfDiffuse", Color=(0.8, 0.2, 0.1, 1))
+    bpy.ops.mesh.primitive_plane_add(size=4, location=(0, 2, 0), rotation=(1.2, 0, 0))
+    give(bpy.context.object, "BsdfGlossy", Roughness=0.0)
+    bpy.context.scene.render.film_transparent = True
+
+
+def test_a_holdout_leaves_a_hole_for_the_camera_alone():
+    scene = open_for_both(hole, SIZE)
+    ours, _ = render_with("LAMBENT", scene, SAMPLES)
+    theirs = cycles_picture(hole, SAMPLES, SIZE)
+    assert 0.1 < (theirs[..., 3] < 0.5).mean() < 0.9
+    assert np.abs(ours[..., 3] - theirs[..., 3]).mean() < 0.003
+    assert ours[..., :3].mean((0, 1)) == pytest.approx(theirs[..., :3].mean((0, 1)), rel=0.005)

@@ -327,7 +327,9 @@ def test_collections_of_the_view_layer_decide(scene):
         "Indirect": Visibility.ALL & ~Visibility.CAMERA,
         "Holdout": Visibility.ALL,
     }
-    assert warnings == ["Holdout: holdouts are not rendered yet; it is an ordinary object"]
+    assert warnings == []
+    materials = {p.name: tuple(p.materials) for p in builder.placements}
+    assert materials["Holdout"] != materials["Indirect"]
 
 
 def test_shadow_catchers_are_named_as_missing():
