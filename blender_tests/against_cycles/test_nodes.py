@@ -21,7 +21,7 @@ LOOSE = {
 }
 
 if bpy.app.version < (5, 0):
-    LOOSE["Voronoi Texture 1"] = (3e-3, "a twentieth of the pixels lies at borders of its cells")
+    LOOSE["Voronoi Texture 1"] = (0.02, "a twentieth of the pixels lies at borders of its cells")
 
 
 def case(name):
