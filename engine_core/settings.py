@@ -63,8 +63,12 @@ class Settings(NamedTuple):
     exposure: float = 1.0
 
     def row(self):
-        """The same as a row of SETTINGS, for kernels: one pointer, where a tuple would be 29 arguments of each call."""
-        return np.array([tuple(self)], SETTINGS)[0]
+        """The same as a row of SETTINGS, for kernels: one pointer, where a tuple would be 29 arguments of each call.
+
+        Of the seed the lower 32 bits count, so any integer will do.
+        """
+        return np.array([tuple(self._replace(seed=self.seed % 2**32))], SETTINGS)[0]
 
 
-SETTINGS = np.dtype([(name, "i4" if kind is int else "f4") for name, kind in Settings.__annotations__.items()])
+TYPES = {"seed": "u4", int: "i4", float: "f4"}
+SETTINGS = np.dtype([(name, TYPES.get(name, TYPES[kind])) for name, kind in Settings.__annotations__.items()])

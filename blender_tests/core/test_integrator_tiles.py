@@ -48,6 +48,13 @@ def test_seeds_give_other_noise(room):
     assert a.mean() == pytest.approx(b.mean(), rel=0.05)
 
 
+@pytest.mark.parametrize("seed", [-1, 2**31, 2**40 + 5])
+def test_a_seed_may_be_any_integer(room, seed):
+    np.testing.assert_array_equal(
+        picture(room, size=16, samples=2, seed=seed), picture(room, size=16, samples=2, seed=seed % 2**32)
+    )
+
+
 def test_cancel_stops_within_a_row_and_keeps_what_is_there(room):
     render = Render(room.build(), settings(256, samples=100_000))
     render.start()
