@@ -8,7 +8,7 @@ from blender_tests.helpers.scenes import builder, plane, quad, settings, sphere
 from engine_core.film import sharing
 from engine_core.film.filter import REACH, blackman_harris, gaussian
 from engine_core.film.passes import image, make_film, pixels
-from engine_core.integrator.tiles import Render
+from engine_core.integrator.tiles import SHARING_IS_JUDGED, Render
 from engine_core.jit import kernel
 from engine_core.linalg.vec3 import Vec3
 from engine_core.scene.materials import Diffuse, Emission
@@ -176,7 +176,7 @@ def floor_below_a_lamp():
 def test_where_light_is_even_samples_count_for_one_pixel_each():
     """Well spread samples leave next to no noise there, which is lost where the filter's weights vary with them, too.
 
-    After eight samples the picture is begun anew; meanwhile it shows what there was.
+    After eight samples the picture is begun anew.
     """
     scene = floor_below_a_lamp()
     shared, apart = (rendered(scene, samples=64, share_samples=share) for share in (1, 0))
@@ -184,6 +184,48 @@ def test_where_light_is_even_samples_count_for_one_pixel_each():
     np.testing.assert_array_equal(shared.image("Combined"), apart.image("Combined"))
     few = rendered(scene, samples=8)
     assert few.settings.share_samples == 1
+
+
+class Watched(Render):
+    """Keeps what is shown after each pass."""
+
+    def _next_pass(self):
+        super()._next_pass()
+        self.shown = [*getattr(self, "shown", []), self.image("Combined")]
+
+
+def test_what_is_begun_anew_shows_the_earlier_picture_until_there_is_one_as_good():
+    """Passes end at 1, 2, 4 and 8 samples, and at the same again."""
+    shared, apart = (
+        Watched(floor_below_a_lamp(), settings(32, max_bounces=3, samples=64, share_samples=share), threads=1)
+        for share in (1, 0)
+    )
+    shared.run()
+    apart.run()
+    earlier = shared.shown[3]
+    assert (earlier != shared.shown[2]).any()
+    assert (earlier != apart.shown[3]).any()
+    for samples in range(3):
+        np.testing.assert_array_equal(shared.shown[4 + samples], earlier)
+    for later in range(3, len(apart.shown)):
+        np.testing.assert_array_equal(shared.shown[4 + later], apart.shown[later])
+
+
+def test_what_is_cancelled_while_it_begins_anew_ends():
+    """By a user who presses Esc in that very moment."""
+
+    class Cancelled(Render):
+        def _expected_end(self):
+            if self._done == SHARING_IS_JUDGED:
+                self.cancel()
+            return super()._expected_end()
+
+    render = Cancelled(floor_below_a_lamp(), settings(32, max_bounces=3, samples=64, share_samples=1))
+    render.run()
+    assert render.settings.share_samples == 0
+    assert render.is_cancelled
+    assert render.samples_done == 0
+    assert (render.image("Combined")[..., 3] == 1.0).all()
 
 
 def test_where_light_is_noisy_samples_are_shared_to_the_end(scene):
