@@ -18,7 +18,7 @@ TESTS = ROOT / "blender_tests"
 LEVELS = ["core", "radiance", "structure", "blender", "window", "against_cycles"]
 LEVELS_OF_EACH_BLENDER = ["blender"]  # run once with every supported Blender, the others with one
 MARK = "lambent> "  # of the lines in which tools/render_driver.py speaks to us
-PICTURES = [".png", ".exr", ".jpg", ".tif"]
+PICTURES = [".png", ".exr", ".jpg", ".jpeg", ".tif", ".tiff"]
 
 EXAMPLES = """\
 examples:
@@ -141,7 +141,7 @@ def run_render(command, variables, verbose):
             if kind == "progress":
                 progress.show(*rest)
             elif kind == "done":
-                done = rest[0]
+                done = rest
             elif kind == "error":
                 error = rest[0]
             elif verbose or re.match(r"(Warning|Info): ", rest[0]):
@@ -156,7 +156,8 @@ def run_render(command, variables, verbose):
         raise
     progress.clear()
     if code == 0 and done:
-        say(f"{progress.elapsed():.1f} s. The picture is {relative(done)}")
+        they_are = "The picture is" if len(done) == 1 else "The pictures are"
+        say(f"{progress.elapsed():.1f} s. {they_are} {', '.join(str(relative(path)) for path in done)}")
         return 0
     if error is None:
         error = f"Blender ended with exit code {code} and no picture. Its last words:\n" + "\n".join(tail)
@@ -265,7 +266,9 @@ class Parser(argparse.ArgumentParser):
 def size(text):
     found = re.fullmatch(r"(\d+)[xX](\d+)", text)
     if not found or not all(4 <= int(side) <= 65536 for side in found.groups()):
-        raise argparse.ArgumentTypeError(f"'{text}' is no size; write width x height in pixels, such as 640x480")
+        raise argparse.ArgumentTypeError(
+            f"'{text}' is no size; write width x height in pixels, such as 640x480; at least 4, at most 65536"
+        )
     return int(found.group(1)), int(found.group(2))
 
 
@@ -341,11 +344,12 @@ def parser():
         "parts",
         nargs="*",
         metavar="PART",
-        help="rays, scaling, noise, integrators, profile, textures, compile, export, build (default: all)",
+        help="rays, scaling, noise, volumes, integrators, profile, textures, materials, compile, export, build, "
+        "large, leaks (default: all)",
     )
     sub.add_argument("--json", metavar="FILE", help="write the figures to a file")
     sub.add_argument("--quick", action="store_true", help="small and coarse, to see that it runs")
-    sub.add_argument("--scenes", metavar="A,B", help="for noise: some of scenes_blend (default: all)")
+    sub.add_argument("--scenes", metavar="A,B", help="for noise and volumes: some of scenes_blend (default: all)")
     sub.add_argument("--blender-version", **lts)
 
     sub = add("compare", command_compare, "render a scene with Lambent and with Cycles, and measure the difference")

@@ -22,9 +22,14 @@ def tell_warnings(engine, warnings):
 
 
 def fail(engine, error, expected=()):
-    """End the render with an error. One of no `expected` type is a bug of ours: its traceback goes to stderr."""
+    """End the render with an error. One of no `expected` type is a bug of ours: its traceback goes to stderr.
+
+    The lack of memory is nobody's.
+    """
     text = str(error)
-    if not isinstance(error, expected):
+    if isinstance(error, MemoryError):
+        text = f"out of memory: {error}"
+    elif not isinstance(error, expected):
         traceback.print_exception(error, file=sys.stderr)
         text = f"{type(error).__name__}: {error} (the console has the details)"
     engine.report({"ERROR"}, f"Lambent: {text}")

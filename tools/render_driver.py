@@ -5,7 +5,7 @@
 
 JOB is the JSON of a dict: file, out, engine, and as wanted width, height, frame, samples, seed, threads, time_limit,
 integrator, noise_target, sampler, use_adaptive. Lines that start with MARK and hold a JSON list are for build.py:
-["progress", 0.5 or null, text], ["error", text], ["done", path].
+["progress", 0.5 or null, text], ["error", text], ["done", path, ...].
 """
 
 import json
@@ -18,7 +18,7 @@ import bpy
 
 MARK = "lambent> "
 ROOT = Path(__file__).resolve().parent.parent
-FILE_FORMATS = {".png": "PNG", ".exr": "OPEN_EXR", ".jpg": "JPEG", ".tif": "TIFF"}
+FILE_FORMATS = {".png": "PNG", ".exr": "OPEN_EXR", ".jpg": "JPEG", ".jpeg": "JPEG", ".tif": "TIFF", ".tiff": "TIFF"}
 
 
 class JobError(Exception):
@@ -40,15 +40,29 @@ def main(job):
     bpy.app.handlers.render_stats.append(on_stats)
 
     # ---- Render; the operator raises what the engine reports as an error, and then writes no file ----
-    out = Path(job["out"])
-    before = out.stat().st_mtime_ns if out.exists() else None
+    out = pictures_of(scene.render, Path(job["out"]))
+    before = [written(path) for path in out]
     try:
         bpy.ops.render.render(write_still=True)
     except RuntimeError as error:
         raise JobError(re.sub(r"^Error: ", "", str(error).strip(), flags=re.MULTILINE)) from None
-    if not out.exists() or out.stat().st_mtime_ns == before:
-        raise JobError(f"Blender rendered, but did not write {out}. Is the folder writable?")
-    tell("done", str(out))
+    for path, time in zip(out, before, strict=True):
+        if written(path) == time:
+            raise JobError(f"Blender rendered, but did not write {path}. Is the folder writable?")
+    tell("done", *map(str, out))
+
+
+def pictures_of(render, path):
+    """The files that Blender writes: one, or one for each view of a stereo picture."""
+    if not render.use_multiview or render.image_settings.views_format == "STEREO_3D":
+        return [path]
+    views = render.stereo_views if render.views_format == "STEREO_3D" else render.views
+    return [path.with_name(path.stem + view.file_suffix + path.suffix) for view in views if view.use]
+
+
+def written(path):
+    """When, in nanoseconds; None if it is not there."""
+    return path.stat().st_mtime_ns if path.exists() else None
 
 
 def enable_engine(engine):
@@ -76,6 +90,8 @@ def prepare(scene, job):
     if job.get("width"):
         render.resolution_x, render.resolution_y = job["width"], job["height"]
         render.resolution_percentage = 100
+    if render.use_border and (render.border_max_x <= render.border_min_x or render.border_max_y <= render.border_min_y):
+        raise JobError(f"the render region of scene '{scene.name}' is empty: see Output Properties > Render Region")
     if job.get("threads"):
         render.threads_mode, render.threads = "FIXED", job["threads"]
 
@@ -104,10 +120,10 @@ def choose_integrator(settings, name):
     if "integrator" not in settings.bl_rna.properties:
         raise JobError("Cycles has no choice of integrators; they are Lambent's")
     items = [item.identifier for item in settings.bl_rna.properties["integrator"].enum_items]
-    identifier = name.upper().replace("-", "_")
-    if identifier not in items:
-        raise JobError(f"there is no integrator {name}; there are: {', '.join(items)}")
-    settings.integrator = identifier
+    names = {item.lower().replace("_", "-"): item for item in items}
+    if name.lower().replace("_", "-") not in names:
+        raise JobError(f"there is no integrator {name}; there are: {', '.join(names)}")
+    settings.integrator = names[name.lower().replace("_", "-")]
 
 
 def on_stats(stats, _=None):

@@ -182,6 +182,8 @@ def test_where_light_is_even_samples_count_for_one_pixel_each():
     shared, apart = (rendered(scene, samples=64, share_samples=share) for share in (1, 0))
     assert shared.settings.share_samples == 0
     np.testing.assert_array_equal(shared.image("Combined"), apart.image("Combined"))
+    assert (shared.samples_done, shared.progress) == (64, 1.0)
+    assert shared.error_estimate == apart.error_estimate
     few = rendered(scene, samples=8)
     assert few.settings.share_samples == 1
 

@@ -28,6 +28,14 @@ def test_it_tells_what_it_can_do():
     assert "python3 build.py render scenes_blend/cornell_box.blend" in result.stdout
 
 
+def test_every_part_of_the_benchmark_is_told():
+    from blender_tests.bench.__main__ import PARTS
+
+    told = " ".join(build("bench", "--help").stdout.split())
+
+    assert ", ".join(PARTS) in told
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

@@ -13,8 +13,12 @@ NO_DEPTH = 1e10  # what the depth pass says where nothing was hit, as in Cycles
 def make_film(width, height, lessons=None, shares_samples=False):
     """An empty film of `width` x `height` pixels. `lessons`: rows of LESSON, if paths leave any."""
     lessons = np.zeros(0, LESSON) if lessons is None else lessons
-    shares = np.zeros(width * height * NEIGHBOURS if shares_samples else 0, SHARE)
-    film = Film(pixels=np.zeros(width * height, PIXEL), shares=shares, control=np.zeros(1, CONTROL), lessons=lessons)
+    try:
+        shares = np.zeros(width * height * NEIGHBOURS if shares_samples else 0, SHARE)
+        rows = np.zeros(width * height, PIXEL)
+    except MemoryError as error:
+        raise MemoryError(f"a picture of {width} x {height} pixels needs more memory than there is") from error
+    film = Film(pixels=rows, shares=shares, control=np.zeros(1, CONTROL), lessons=lessons)
     film.width, film.height = width, height
     return film
 

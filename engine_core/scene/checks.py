@@ -19,10 +19,10 @@ def array(name, what, value, dtype, *shape):
         raise SceneError(f"{name}: {what} cannot be read as numbers ({error})") from None
     expected = tuple("n" if s is None else s for s in shape)
     if result.ndim != len(shape) or any(s not in (None, n) for s, n in zip(shape, result.shape, strict=True)):
-        raise SceneError(f"{name}: {what} have shape {result.shape}, expected {expected}")
+        raise SceneError(f"{name}: {what}: the shape is {result.shape}, expected {expected}")
     if result.dtype.kind == "f" and not np.isfinite(result).all():
         count = int((~np.isfinite(result)).sum())
-        raise SceneError(f"{name}: {what} hold {count} values that are not finite numbers")
+        raise SceneError(f"{name}: {what}: {count} of {result.size} numbers are not finite")
     return result
 
 
@@ -30,7 +30,7 @@ def positions(name, what, value):
     """Points, float32 (n, 3), that float32 arithmetic can carry."""
     result = array(name, what, value, np.float32, None, 3)
     if result.size and max(result.max(), -result.min()) > LARGEST:
-        raise SceneError(f"{name}: {what} reach beyond {LARGEST:g} m")
+        raise SceneError(f"{name}: {what}: beyond {LARGEST:g} m")
     return result
 
 
@@ -38,7 +38,7 @@ def indices(name, what, value, count, *shape):
     """int32 numbers from 0 to count - 1."""
     result = array(name, what, value, np.int32, *shape)
     if result.size and (result.min() < 0 or result.max() >= count):
-        raise SceneError(f"{name}: {what} run from {result.min()} to {result.max()}, there are {count}")
+        raise SceneError(f"{name}: {what}: from {result.min()} to {result.max()}, there are {count}")
     return result
 
 
@@ -46,7 +46,7 @@ def transform(name, value):
     """A 4 x 4 matrix as float64 (3, 4), and whether it can be inverted."""
     matrix = array(name, "transform", value, np.float64, 4, 4)[:3]
     if max(matrix.max(), -matrix.min()) > LARGEST:
-        raise SceneError(f"{name}: transform reaches beyond {LARGEST:g} m")
+        raise SceneError(f"{name}: transform: beyond {LARGEST:g} m")
     scale = np.linalg.norm(matrix[:, :3], axis=0)
     if not scale.all():
         return matrix, False
