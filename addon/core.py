@@ -25,6 +25,7 @@ def _import(name):
 
 jit = _import("jit")
 materials, volumes = _import("scene.materials"), _import("scene.volumes")
+flatten = _import("scene.flattening").flatten
 graph, opcodes = _import("shader.graph"), _import("shader.opcodes")
 atmosphere, daylight = _import("texture.atmosphere"), _import("texture.daylight")
 CURVE_SIZE = _import("program_tables").CURVE_SIZE

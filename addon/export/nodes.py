@@ -6,7 +6,7 @@ A closure takes the values of its sockets: numbers, or graphs of what varies ove
 
 import bpy
 
-from ..core import ProgramTables, graph, opcodes
+from ..core import ProgramTables, flatten, graph, opcodes
 from ..core import materials as m
 from .displacement import bumped_normal
 from .graph import Graph, by_identifier, has_nodes, label, source
@@ -97,7 +97,7 @@ def _emitted(context, b_owner, without_nodes, nothing):
     output = tree.output
     if output is None:
         return nothing
-    return m.flatten(Translation(context, b_owner.name).closure(output.inputs["Surface"], ())).emission
+    return flatten(Translation(context, b_owner.name).closure(output.inputs["Surface"], ())).emission
 
 
 class Translation:

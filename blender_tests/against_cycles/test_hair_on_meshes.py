@@ -6,7 +6,8 @@ import pytest
 
 from blender_tests.helpers.bsdfs import evaluate_many, make_bsdf
 from blender_tests.helpers.lobe_values import FIRST_TRIANGLE, around, cycles_values, node
-from engine_core.scene.materials import Hair, PrincipledHair, flatten, lower
+from engine_core.scene.flattening import flatten, lower
+from engine_core.scene.materials import Hair, PrincipledHair
 
 COLOR = (0.6, 0.4, 0.2)
 COSINES = (1.0, 0.83, 0.5, 0.21)

@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from engine_core.scene.materials import lower
+from engine_core.scene.flattening import lower
 from engine_core.shader.graph import Node, Part, is_constant
 from engine_core.shader.opcodes import Op
 from engine_core.tables import FresnelKind, LightKind, LobeKind, Visibility

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from blender_tests.helpers.scenes import builder, cube, picture, plane, settings, sphere
-from engine_core.integrator.tiles import RENDER_TILE, TILE_SIZE, Render, make_tiles
+from engine_core.integrator.tiles import RENDER_TILE, RENDER_TILE_IN_MEDIA, TILE_SIZE, Render, make_tiles
 from engine_core.scene.materials import Diffuse, Emission, Glass
 from engine_core.settings import UNIFORM_SAMPLES, IntegratorKind
 
@@ -85,6 +85,10 @@ def test_an_error_in_a_thread_reaches_the_caller(room, monkeypatch):
     render.start()
     with pytest.raises(RuntimeError, match="planted"):
         render.wait()
+
+
+def test_every_integrator_knows_scenes_with_and_without_media():
+    assert set(RENDER_TILE) == set(RENDER_TILE_IN_MEDIA) == set(IntegratorKind)
 
 
 def test_tiles_are_told_once_each_pass(room):

@@ -24,6 +24,7 @@ from blender_tests.helpers.lights import (
     random_numbers,
     sample_light,
 )
+from engine_core.light import bounds
 from engine_core.tables import LightKind as Kind
 
 L = np.array(EMISSION)
@@ -78,6 +79,21 @@ DELTAS = {
     "beam": light(Kind.QUAD, is_delta=1, spread=0.0),
     "round beam": light(Kind.DISK, is_delta=1, spread=0.0),
 }
+ROWS = {
+    **{name: row for name, (row, _) in CASES.items()},
+    **{f"{name}, no extent": row for name, row in DELTAS.items()},
+}
+
+
+def test_every_kind_is_tested():
+    assert {Kind(row["kind"][0]) for row in ROWS.values()} == set(Kind)
+
+
+@pytest.mark.parametrize("name", sorted(ROWS.keys() - {"background"}))
+def test_every_kind_can_be_chosen(name):
+    """What has no intensity is left to chance. A constant background is."""
+    row = ROWS[name]
+    assert bounds.irradiance(row)[0] > 0 if bounds.is_far(row)[0] else bounds.intensity(row)[0] > 0
 
 
 # ---- Sampling and hitting --------------------------------------------------------------------------------------------

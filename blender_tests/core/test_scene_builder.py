@@ -7,7 +7,8 @@ import pytest
 from blender_tests.helpers.scenes import CUBE_CORNERS, CUBE_TRIANGLES, builder, cube, picture, sphere
 from engine_core.scene.builder import SceneBuilder
 from engine_core.scene.checks import SceneError
-from engine_core.scene.materials import Add, Black, Diffuse, Emission, Glossy, Mix, Principled, flatten, lower
+from engine_core.scene.flattening import flatten, lower
+from engine_core.scene.materials import Add, Black, Diffuse, Emission, Glossy, Mix, Principled
 from engine_core.settings import IntegratorKind
 from engine_core.tables import LobeKind, Visibility
 

@@ -23,7 +23,8 @@ import numpy as np
 from ..shader.graph import is_constant
 from ..tables import CameraKind, LightKind, Visibility
 from . import assemble, checks, lamps, shapes, strands
-from .materials import WHITE, Black, Diffuse, Surface, Transparent, flatten
+from .flattening import Surface, flatten
+from .materials import WHITE, Black, Diffuse, Transparent
 from .targets import Aim
 from .terminator import Terminator
 from .volumes import Medium, medium_of

@@ -19,7 +19,7 @@ from ..shader.opcodes import InputVector
 from ..shader.point import new_point, set_surface
 from ..shape.interaction import make_interaction, new_interaction
 from ..tables import SLOT, Scene, TreeKind, Visibility
-from .materials import Surface
+from .flattening import Surface
 from .triangles import triangle_rows
 
 TRIANGLES = int(TreeKind.TRIANGLES)

@@ -12,7 +12,8 @@ from ..shader.graph import GraphError
 from ..shader.program import ProgramTables
 from ..tables import LOBE, MATERIAL, TRANSMITTING, LobeKind, MaterialFlag
 from .displace import undisplaced
-from .materials import Diffuse, flatten, lower
+from .flattening import flatten, lower
+from .materials import Diffuse
 
 GREY = Diffuse((0.5, 0.5, 0.5))
 FIBRES = (LobeKind.HAIR, LobeKind.HAIR_REFLECTION, LobeKind.HAIR_TRANSMISSION, LobeKind.HAIR_FACETS)

@@ -55,7 +55,7 @@ def add_closure(bsdf, c):
             set_alphas(lobe, c.roughness, ONE)
     elif kind == ClosureKind.SUBSURFACE:
         add_subsurface(bsdf, c, weight, load3(c, "color"), saturate(c.roughness), c.ior, 0)
-    elif kind >= ClosureKind.HAIR_COLOR:
+    elif ClosureKind.HAIR_COLOR <= kind <= ClosureKind.HAIR_TRANSMISSION:
         add_hair(bsdf, c, weight)
     elif ClosureKind.TOON_DIFFUSE <= kind <= ClosureKind.VELVET:
         add_cloth(bsdf, c, weight * load3(c, "color"))
