@@ -28,6 +28,11 @@ Written by `python -m blender_tests.against_cycles.node_states`.
 |---|---|---|
 """
 TAIL = """
+## Rough glass
+
+By Multiscatter GGX, white glass of any roughness gives back all light. In Cycles it does so from outside; of light that
+leaves it at roughness 0.5 and above some is lost at grazing angles, so a ball of roughness 1 is 1 % darker.
+
 ## Blender 4.5
 
 Nodes mean what Cycles of the same Blender makes of them. In 4.5 the Voronoi texture has other points; tangent space of

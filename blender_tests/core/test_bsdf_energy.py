@@ -48,6 +48,7 @@ ESTIMATED = {
     "DIELECTRIC film": 0.05,
     "DIELECTRIC film from inside": 0.05,
     "COATING film": 0.2,
+    "COATING tinted": 0.01,  # that of Cycles, by which pictures look alike: too bright at grazing angles
     "TOON_GLOSSY": 0.5,  # as if the cone had no part below the horizon
     "TOON_GLOSSY sharp": 0.5,
     "ASHIKHMIN_SHIRLEY": 0.08,  # from sixteen samples; worst at grazing angles, where half of them are lost

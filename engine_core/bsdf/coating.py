@@ -11,8 +11,8 @@ import math
 from ..jit import kernel
 from ..linalg.vec3 import BLACK, WHITE, Vec3, lerp, load3
 from . import energy, microfacet
-from .fresnel import f0_of_coating, fresnel_coating, fresnel_coating_average, tinted
-from .lobe import ONE, LobeSample, LobeValue, mirror_direction, no_direction, nothing
+from .fresnel import f0_of_coating, fresnel_coating, fresnel_coating_average
+from .lobe import ONE, ZERO, LobeSample, LobeValue, mirror_direction, no_direction, nothing
 from .thin_film import film_over_dielectric, has_film, tinted_film
 
 
@@ -43,13 +43,8 @@ def sample(lobe, wo, u_choice, u0, u1):
 
 @kernel
 def albedo(lobe, wo):
-    """The Fresnel curve is linear in f0, and so is its mean over the microfacets. Below an index of 1 an estimate."""
-    if wo.z <= 0.0:
-        return BLACK
-    if has_film(lobe):
-        return reflectance(lobe, wo.z) * energy.mirror_share(lobe, wo.z)
-    mean = tinted(energy.mean_coating(lobe, wo.z), lobe.ior, load3(lobe, "f0"))
-    return mean * energy.mirror_share(lobe, wo.z)
+    """To some hundredths, see `seeming_albedo`."""
+    return seeming_albedo(lobe, wo) * energy.mirror_share(lobe, max(wo.z, ZERO))
 
 
 # ---- Fresnel and what lies below -------------------------------------------------------------------------------------
@@ -61,6 +56,19 @@ def reflectance(lobe, cos):
         film = film_over_dielectric(cos, lobe.film_thickness, lobe.film_ior, lobe.ior)
         return tinted_film(film, lobe.ior, f0_of_coating(lobe.ior, load3(lobe, "f0")))
     return fresnel_coating(cos, lobe.ior, load3(lobe, "f0"))
+
+
+@kernel
+def seeming_albedo(lobe, wo):
+    """The share of light that it keeps from what lies below, by Cycles' estimate: see `energy.seeming_rise`.
+
+    As if no light was lost, also by single scattering; under a film, that of a smooth surface.
+    """
+    if wo.z <= 0.0:
+        return BLACK
+    if has_film(lobe):
+        return reflectance(lobe, wo.z)
+    return lerp(f0_of_coating(lobe.ior, load3(lobe, "f0")), WHITE, energy.seeming_rise(lobe, wo.z))
 
 
 @kernel

@@ -353,9 +353,12 @@ def _compensate(lobe, wo):
 def _cover(bsdf, cover, wo, share):
     """Reduce the lobes below the coating `cover` by the largest component of `share`, its albedo, and by its tint.
 
-    By the largest, so that no colour gets more than what comes in, at the price of a little dark (as Cycles).
+    By the largest, so that no colour gets more than what comes in, at the price of a little dark (as Cycles); a varnish
+    that loses light covers as if it reflected that.
     """
     coat = bsdf.lobes[cover]
+    if coat.kind == LobeKind.COATING and not coat.multiscatter:
+        share = coating.seeming_albedo(coat, wo)
     passing = coating.absorption(coat, wo) * max(1.0 - coat.covers * max_component(share), 0.0)
     for i in range(cover + 1, bsdf.count):
         lobe = bsdf.lobes[i]

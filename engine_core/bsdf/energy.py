@@ -24,14 +24,15 @@ _TABLES = np.load(Path(__file__).with_name("energy_tables.npz"))
 PLANES, GGX_AVERAGE = _TABLES["planes"], _TABLES["ggx_average"]
 VOLUMES, GLASS_AVERAGE = _TABLES["volumes"], _TABLES["glass_average"]
 
-# PLANES[_, roughness, view or cos]
-GGX = 0  # [.., view]: albedo of a mirror without Fresnel; GGX_AVERAGE[roughness] is its mean over views, 2 cos d cos
-SCHLICK = 1  # [.., cos]: mean of (1 - cos)^5 over the light that such a mirror reflects
-SCHLICK_F82 = 2  # [.., cos]: mean of cos (1 - cos)^6
+# PLANES[_, roughness, cos], whose coordinates are those of Cycles: so what is between entries is the same, too
+GGX = 0  # albedo of a mirror without Fresnel; GGX_AVERAGE[roughness] is its mean over views, 2 cos d cos
+SCHLICK = 1  # mean of (1 - cos)^5 over the light that such a mirror reflects
+SCHLICK_F82 = 2  # mean of cos (1 - cos)^6
 # VOLUMES[_, index, roughness, view]
 GLASS = 0  # albedo of glass, reflection and refraction, seen from outside: ior above 1
 GLASS_INSIDE = 1  # ... from inside; GLASS_AVERAGE[0 or 1, index, roughness] are their means
 FRESNEL = 2  # mean reflectance of a dielectric, from outside, over that of a smooth surface
+VARNISH = 3  # [.., .., cos]: how far a varnish seems on the way from its reflectance at normal incidence to 1
 
 # ---- Single scattering, by the cosine of wo --------------------------------------------------------------------------
 
@@ -39,7 +40,7 @@ FRESNEL = 2  # mean reflectance of a dielectric, from outside, over that of a sm
 @kernel
 def ggx_albedo(lobe, cos):
     """Share of light that a rough mirror without Fresnel gives back by single scattering."""
-    return _plane(GGX, lobe.roughness, _view(cos, lobe.alpha))
+    return _plane(GGX, lobe.roughness, cos)
 
 
 @kernel
@@ -68,10 +69,14 @@ def mean_dielectric(lobe, cos):
 
 
 @kernel
-def mean_coating(lobe, cos):
-    """The same of a varnish, which has none of it inside: an index below 1 counts as its inverse, as in Cycles."""
-    smooth, _ = fresnel_dielectric(cos, max(lobe.ior, 1.0 / lobe.ior))
-    return smooth * _volume(FRESNEL, _index(lobe.ior), lobe.roughness, _view(cos, lobe.alpha))
+def seeming_rise(lobe, cos):
+    """How far the mean reflectance of a varnish seems on the way from F0 to 1, in Cycles, whose table this is.
+
+    By it Cycles decides how much of what lies below is seen, so that pictures look alike at grazing angles. It is an
+    estimate: facets that are seen but reflect down count as black ones, shadowing does not, and between the few cosines
+    of the table the curve is straight.
+    """
+    return _volume(VARNISH, _index(lobe.ior), lobe.roughness, cos)
 
 
 @kernel

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Makes `energy_tables.npz`: how much light GGX microfacets give back. Run as `python -m engine_core.bsdf.make_tables`.
 
-Integrates over visible normals with the kernels of `microfacet`, on a grid of midpoints; ten seconds.
+Integrates over visible normals with the kernels of `microfacet`, on a grid of midpoints; twenty seconds.
 See `energy.py` for what the tables mean and for their coordinates.
 """
 
@@ -13,11 +13,12 @@ import numpy as np
 from ..jit import kernel
 from ..linalg.vec3 import Vec3, dot, reflect
 from ..tables import LOBE
-from .fresnel import fresnel_dielectric, schlick
+from .fresnel import f0_of_ior, fresnel_dielectric, schlick
 from .microfacet import refract, sample_visible_normal, stretched_length, unshadowed
 
 PLANE_SIZE, VOLUME_SIZE = 32, 16
 SMALLEST = 1e-3  # stands for 0 where a coordinate may not be 0
+GRAZING = 1e-4  # the cosine that does for Cycles
 LARGEST = 0.995  # stands for 1: an ior of 200
 
 
@@ -61,6 +62,21 @@ def glass(lobe, cos, n):
     return reflected / (n * n), refracted / (n * n)
 
 
+@kernel
+def rise(lobe, cos, n):
+    """Mean of (F - F0) / (1 - F0) over n x n visible microfacets, those that reflect below the horizon taken as F0."""
+    wo = Vec3(math.sqrt(max(1.0 - cos * cos, 0.0)), 0.0, cos)
+    so, f0, total = stretched_length(lobe, wo), f0_of_ior(lobe.ior), np.float64(0)
+    for i in range(n):
+        for j in range(n):
+            u0, u1 = (np.float32(i) + 0.5) / np.float32(n), (np.float32(j) + 0.5) / np.float32(n)
+            h = sample_visible_normal(lobe, wo, so, u0, u1)
+            if reflect(wo, h).z > 0.0:
+                reflectance, _ = fresnel_dielectric(dot(wo, h), lobe.ior)
+                total += max((reflectance - f0) / (1.0 - f0), 0.0)
+    return total / (n * n)
+
+
 def make_planes(points=400):
     """(planes, ggx_average)"""
     planes = np.zeros((3, PLANE_SIZE, PLANE_SIZE), np.float32)
@@ -68,7 +84,7 @@ def make_planes(points=400):
     for i, roughness in enumerate(axis):
         lobe = lobe_of(roughness)
         for j, y in enumerate(axis):
-            planes[0, i, j] = mirror(lobe, cos_of_view(y, lobe.alpha_x), points)[0]
+            planes[0, i, j] = mirror(lobe, np.float32(max(y, GRAZING)), points)[0]
             planes[1:, i, j] = mirror(lobe, np.float32(max(y, SMALLEST)), points)[1:]
     planes[planes < 1e-20] = 0.0  # numbers so small that processors are slow with them
     average = [mean_over_views(lambda cos, lobe=lobe: mirror(lobe, cos, 64)[0]) for lobe in map(lobe_of, axis)]
@@ -77,7 +93,7 @@ def make_planes(points=400):
 
 def make_volumes(points=128):
     """(volumes, glass_average)"""
-    volumes = np.zeros((3, VOLUME_SIZE, VOLUME_SIZE, VOLUME_SIZE), np.float32)
+    volumes = np.zeros((4, VOLUME_SIZE, VOLUME_SIZE, VOLUME_SIZE), np.float32)
     average = np.zeros((2, VOLUME_SIZE, VOLUME_SIZE), np.float32)
     axis = np.linspace(0.0, 1.0, VOLUME_SIZE)
     for k, index in enumerate(axis):
@@ -92,6 +108,7 @@ def make_volumes(points=128):
                 volumes[1, k, i, j] = sum(glass(inside, cos, points))
                 smooth = mirror(outside, cos, points)[0] * fresnel_dielectric(cos, outside.ior)[0]
                 volumes[2, k, i, j] = reflected / smooth
+                volumes[3, k, i, j] = rise(outside, np.float32(max(y, GRAZING)), 2 * points)
             for side, lobe in enumerate((outside, inside)):
                 average[side, k, i] = mean_over_views(lambda cos, lobe=lobe: sum(glass(lobe, cos, 32)))
     return volumes, average

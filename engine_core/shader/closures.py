@@ -299,9 +299,10 @@ def set_film(lobe, c):
 
 @kernel
 def set_alphas(lobe, roughness, stretch):
+    """No width is above 1, however stretched: as in Cycles."""
     alpha = saturate(roughness) * saturate(roughness)
-    lobe.alpha_x = alpha * stretch
-    lobe.alpha_y = alpha / stretch
+    lobe.alpha_x = min(alpha * stretch, ONE)
+    lobe.alpha_y = min(alpha / stretch, ONE)
 
 
 @kernel
