@@ -31,7 +31,7 @@ TAIL = """
 ## Rough glass
 
 By Multiscatter GGX, white glass of any roughness gives back all light. In Cycles it does so from outside; of light that
-leaves it at roughness 0.5 and above some is lost at grazing angles, so a ball of roughness 1 is 1 % darker.
+leaves it at roughness 0.4 and above some is lost at grazing angles, so a ball of roughness 1 is 1 % darker.
 
 ## Blender 4.5
 
