@@ -48,54 +48,84 @@ class Source(NamedTuple):
 
 def export_instances(context):
     """Objects and lamps. Nothing of an instance may be kept: Blender reuses it for the next one."""
-    geometries, sources, parents, hairs = {}, {}, {}, {}
-    values = InstanceValues(context)
+    placing = _Placing(context)
     for b_instance in context.depsgraph.object_instances:
-        b_object = b_instance.object
-        visibility = Visibility.ALL
-        if b_instance.is_instance:
-            b_parent = b_instance.parent
-            key = b_parent.as_pointer()
-            if key not in parents:
-                parents[key] = _visibility(context, b_parent)
-            visibility = parents[key]
-        if b_instance.show_particles and b_object.particle_systems and context.view_layer.use_strand:
-            _export_hair(context, b_instance, b_object, hairs, visibility, values)
-        if not b_instance.show_self:
-            continue
-        if b_object.type == "LIGHT":
-            matrix = np.array(b_instance.matrix_world[:])
-            random = _random(b_instance, b_object.name)
-            visibility &= _visibility(context, b_object)
-            export_light(context, b_object, matrix, visibility, random, lambda: values.of(b_instance))  # noqa: B023
-            continue
+        placing.add(b_instance)
 
-        b_data = b_object.data
-        if b_data is None:
-            continue
-        # an instance made by geometry nodes is handed out in one and the same temporary object every time
-        b_source = b_instance.instance_object if b_instance.is_instance else b_object
-        key = b_source.as_pointer(), b_data.as_pointer()
-        source = sources.get(key)
+
+class _Placing:
+    """Hands instances to the builder, and keeps what is read once for all of them."""
+
+    def __init__(self, context):
+        self.context, self.values = context, InstanceValues(context)
+        self.geometries, self.sources, self.hairs, self.instancers = {}, {}, {}, {}
+
+    def add(self, b_instance):
+        b_object, visibility = b_instance.object, self.visibility_of_instancer(b_instance)
+        if b_instance.show_particles and b_object.particle_systems and self.context.view_layer.use_strand:
+            self.add_hair(b_instance, b_object, visibility)
+        if not b_instance.show_self:
+            return
+        if b_object.type == "LIGHT":
+            self.add_lamp(b_instance, b_object, visibility)
+        elif b_object.data is not None:
+            self.add_surface(b_instance, b_object, visibility)
+
+    def visibility_of_instancer(self, b_instance):
+        if not b_instance.is_instance:
+            return Visibility.ALL
+        key = b_instance.parent.as_pointer()
+        if key not in self.instancers:
+            self.instancers[key] = _visibility(self.context, b_instance.parent)
+        return self.instancers[key]
+
+    def add_lamp(self, b_instance, b_object, visibility):
+        matrix, random = np.array(b_instance.matrix_world[:]), _random(b_instance, b_object.name)
+        visibility &= _visibility(self.context, b_object)
+        export_light(self.context, b_object, matrix, visibility, random, lambda: self.values.of(b_instance))
+
+    def add_surface(self, b_instance, b_object, visibility):
+        key = _source_object(b_instance).as_pointer(), b_object.data.as_pointer()
+        source = self.sources.get(key)
         if source is None:
-            source = sources[key] = _source(context, b_object, geometries)
+            source = self.sources[key] = _source(self.context, b_object, self.geometries)
         visibility = int(visibility & source.visibility)
-        if source.geometry is None or visibility == 0:
-            continue
-        note_placement(context, b_instance, b_source)
-        context.builder.instance(
-            source.geometry,
+        if source.geometry is not None and visibility:
+            more = {"pass_index": source.pass_index, "aim": source.aim, "terminator": source.terminator}
+            self.place(b_instance, source.geometry, source.materials, source.name, visibility, **more)
+
+    def add_hair(self, b_instance, b_object, visibility):
+        """What particle systems grow on an object, even where it is not shown itself."""
+        key = _source_object(b_instance).as_pointer()
+        if key not in self.hairs:
+            grown = read_particle_hair(self.context, b_object)
+            if grown and self.context.placed is not None and hair_deforms(b_object):
+                self.context.warn(b_object.name, "the deformation of its hair is not blurred yet, only its movement")
+            self.hairs[key] = grown, export_materials(self.context, b_object) if grown else ()
+        grown, materials = self.hairs[key]
+        visibility, index = int(visibility & _visibility(self.context, b_object)), b_object.pass_index
+        for geometry, slot in grown if visibility else ():
+            material = materials[min(slot, len(materials) - 1)]
+            self.place(b_instance, geometry, (material,), b_object.name, visibility, pass_index=index)
+
+    def place(self, b_instance, geometry, materials, name, visibility, **more):
+        note_placement(self.context, b_instance, _source_object(b_instance))
+        self.context.builder.instance(
+            geometry,
             np.array(b_instance.matrix_world[:]),
-            source.materials,
-            source.name,
+            materials,
+            name,
             visibility,
-            source.pass_index,
-            _random(b_instance, source.name),
-            b_object.color,
-            source.aim,
-            values=values.of(b_instance),
-            terminator=source.terminator,
+            random=_random(b_instance, name),
+            color=b_instance.object.color,
+            values=self.values.of(b_instance),
+            **more,
         )
+
+
+def _source_object(b_instance):
+    """The object that there really is: geometry nodes hand all instances out in one and the same temporary object."""
+    return b_instance.instance_object if b_instance.is_instance else b_instance.object
 
 
 def _source(context, b_object, geometries):
@@ -170,30 +200,3 @@ def _random(b_instance, name):
     """A number from 0 to 1 that stays with an instance, or with the name of an object; the one that Cycles gives it."""
     number = b_instance.random_id if b_instance.is_instance else hash_of_name(name)
     return unit(number)
-
-
-def _export_hair(context, b_instance, b_object, hairs, visibility, values):
-    """What particle systems grow on an object, even where it is not shown itself."""
-    b_source = b_instance.instance_object if b_instance.is_instance else b_object
-    key = b_source.as_pointer()
-    if key not in hairs:
-        grown = read_particle_hair(context, b_object)
-        if grown and context.placed is not None and hair_deforms(b_object):
-            context.warn(b_object.name, "the deformation of its hair is not blurred yet, only its movement")
-        hairs[key] = grown, export_materials(context, b_object) if grown else ()
-    grown, materials = hairs[key]
-    visibility = int(visibility & _visibility(context, b_object))
-    for geometry, slot in grown:
-        if visibility:
-            note_placement(context, b_instance, b_source)
-            context.builder.instance(
-                geometry,
-                np.array(b_instance.matrix_world[:]),
-                (materials[min(slot, len(materials) - 1)],),
-                b_object.name,
-                visibility,
-                b_object.pass_index,
-                _random(b_instance, b_object.name),
-                b_object.color,
-                values=values.of(b_instance),
-            )

@@ -78,6 +78,14 @@ def layout():
     return digest.hexdigest()[:16]
 
 
+LEAF_TABLES = {
+    TreeKind.TRIANGLES: "packets",
+    TreeKind.SHAPES: "shapes",
+    TreeKind.INSTANCES: "instances",
+    TreeKind.TARGETS: "targets",
+}
+
+
 def check_tables(name, tables):
     """Refuse tables whose row numbers lead outside: kernels follow them without looking."""
 
@@ -88,21 +96,26 @@ def check_tables(name, tables):
 
     if len(tables["world"]) != 1 or len(tables["camera"]) != 1:
         raise SceneError(f"{name}: a scene has one world and one camera")
-    world, instances = tables["world"][0], tables["instances"]
-    kinds = _tree_kinds(name, tables)
-    leaf_tables = {TreeKind.TRIANGLES: "packets", TreeKind.SHAPES: "shapes", TreeKind.INSTANCES: "instances"}
-    leaf_tables[TreeKind.TARGETS] = "targets"
-    for kind, table in leaf_tables.items():
-        leaves = kinds["leaves"][kind]
-        within("leaves", ~leaves, table, none_allowed=False)
+    for kind, leaves in _leaves(name, tables).items():
+        within("leaves", ~leaves, LEAF_TABLES[kind], none_allowed=False)
     within("packets", tables["packets"]["prim"], "triangles")
     for table in ("triangles", "shapes"):
         within(f"owners of {table}", tables[table]["instance"], "instances")
     hairs = tables["shapes"][tables["shapes"]["kind"] == ShapeKind.STRAND]
     within("hairs", hairs["strand"], "strands", none_allowed=False)
     within("slots", tables["slots"]["material"], "materials", none_allowed=False)
-    within("lights of instances", instances["lights"], "lights")
+    within("lights of instances", tables["instances"]["lights"], "lights")
     _check_motion(name, tables)
+    _check_materials(name, tables)
+    _check_lights(name, tables, within)
+    _check_light_tree(name, tables, within)
+    _check_media(name, tables, within)
+    _check_targets(name, tables, within)
+    for fault in verify.faults(tables):
+        raise SceneError(f"{name}: {fault}")
+
+
+def _check_materials(name, tables):
     materials = tables["materials"]
     if len(materials) and (
         materials["lobe_count"].min() < 0
@@ -111,6 +124,10 @@ def check_tables(name, tables):
         or (materials["lobes"] + materials["lobe_count"]).max() > len(tables["lobes"])
     ):
         raise SceneError(f"{name}: lobes of materials lead outside of the table lobes")
+
+
+def _check_lights(name, tables, within):
+    world = tables["world"][0]
     if not 0 <= world["light_count"] <= len(tables["lights"]) or not (
         world["suns"] >= 0 and world["suns"] + world["sun_count"] <= len(tables["lights"])
     ):
@@ -124,13 +141,15 @@ def check_tables(name, tables):
         ("light_root", "the tree of lights", "light_nodes"),
     ):
         within(what, world[field], table)
-    _check_media(name, tables, within)
     level = tables["lights"]["level"]
     if level.min(initial=0) < 0 or level.max(initial=0) > MAX_PART_LEVEL:
         raise SceneError(f"{name}: lights are divided too finely")
     first = tables["lights"]["parts"][level > 0].astype(np.int64)
     within("parts of lights", np.concatenate([first, first + 4 ** level[level > 0] - 1]), "lights", none_allowed=False)
-    _check_light_tree(name, tables, within)
+
+
+def _check_targets(name, tables, within):
+    world = tables["world"][0]
     within("targets", tables["targets"]["light"], "lights", none_allowed=False)
     if not (
         0 <= world["far_targets"] <= world["target_count"]
@@ -138,8 +157,6 @@ def check_tables(name, tables):
         and world["target_count"] + world["delta_count"] <= len(tables["targets"])
     ):
         raise SceneError(f"{name}: targets of the world lead outside of the table targets")
-    for fault in verify.faults(tables):
-        raise SceneError(f"{name}: {fault}")
 
 
 def _check_media(name, tables, within):
@@ -184,8 +201,8 @@ def _check_light_tree(name, tables, within):
         raise SceneError(f"{name}: the tree of lights leads astray")
 
 
-def _tree_kinds(name, tables):
-    """Walk all trees from their roots. Returns the leaves by TreeKind; refuses cycles and numbers out of range."""
+def _leaves(name, tables):
+    """Walk all trees from their roots. Returns {TreeKind: leaves}; refuses cycles and numbers out of range."""
     world, instances, nodes = tables["world"][0], tables["instances"], tables["nodes"]
     leaves = {kind: np.zeros(0, np.int32) for kind in TreeKind}
     roots = {
@@ -214,4 +231,4 @@ def _tree_kinds(name, tables):
             children = nodes["child"][level][used]
             leaves[kind] = np.concatenate([leaves[kind], children[children < 0]])
             level = children[children >= 0]
-    return {"leaves": leaves}
+    return leaves
