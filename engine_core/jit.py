@@ -22,7 +22,7 @@ from pathlib import Path
 import numba
 import numpy as np
 
-from .linking import KernelDispatcher, RootCompiler
+from .linking import EntryPoint, KernelDispatcher
 
 # Contraction into fused multiply-adds, reciprocals for repeated divisions, and no care for the sign of zero.
 # Not "nnan" or "ninf": slabs of flat boxes and missing children count on infinities.
@@ -74,9 +74,8 @@ def entry_point(function, *argument_types):
     for the address; callers need not be compiled anew with it inside of them, as with an ordinary kernel.
     Keep the returned object for as long as anybody may call.
     """
-    signature = numba.void(*argument_types)
-    options = {"cache": True, "error_model": "numpy", "fastmath": FASTMATH, "pipeline_class": RootCompiler}
-    return numba.cfunc(signature, **options)(float32_literals(function))
+    options = {"nopython": True, "error_model": "numpy", "fastmath": FASTMATH}
+    return EntryPoint(float32_literals(function), (argument_types, numba.void), options)
 
 
 def float32_literals(function):

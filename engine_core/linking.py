@@ -11,10 +11,18 @@ optimised, made into machine code, and kept on disk as one. So the inner functio
 change how they are called, drop arguments that nobody reads, and put those with one caller into it.
 """
 
+import functools
+import platform
+import sys
+
 from llvmlite.binding import Linkage
-from numba.core import compiler
-from numba.core.codegen import JITCodeLibrary
+from numba.core import compiler, config
+from numba.core.caching import CompileResultCacheImpl, FunctionCache
+from numba.core.ccallback import CFunc
+from numba.core.codegen import JITCodeLibrary, JITCPUCodegen
 from numba.core.registry import CPUDispatcher
+
+IS_NEAR = sys.platform == "linux" and platform.machine() == "x86_64"  # where KernelCodegen's way is tried and tested
 
 
 class KernelLibrary(JITCodeLibrary):
@@ -76,6 +84,63 @@ def _visit(library, found):
     found[library] = True
 
 
+# ---- Machine code ----------------------------------------------------------------------------------------------------
+
+
+class KernelCodegen(JITCPUCodegen):
+    """Makes machine code that names its constants, and what it calls, by how far away they are: in 32 bits.
+
+    numba's takes all 64 bits of each address, and a register to hold them, which costs 5 % where a lot is called. All
+    parts of such code have to lie near each other: llvmlite takes the memory for a root in one piece, if told so.
+    """
+
+    _library_class = KernelLibrary
+
+    def _init(self, module):
+        usual = config.USE_LLVMLITE_MEMORY_MANAGER
+        config.USE_LLVMLITE_MEMORY_MANAGER = 1 if IS_NEAR else usual
+        try:
+            super()._init(module)
+        finally:
+            config.USE_LLVMLITE_MEMORY_MANAGER = usual
+
+    def _customize_tm_options(self, options):
+        super()._customize_tm_options(options)
+        if IS_NEAR:
+            options["reloc"], options["codemodel"] = "pic", "small"
+
+
+@functools.cache
+def codegen():
+    """That of all kernels; other users of numba in this process keep theirs."""
+    return KernelCodegen("kernels")
+
+
+class KernelContext:
+    """Enough of numba's context of a target to load machine code from a cache, by our `codegen`."""
+
+    codegen = staticmethod(codegen)
+
+    def __init__(self, context):
+        self.typing_context, self.get_executable = context.typing_context, context.get_executable
+
+
+class KernelCacheImpl(CompileResultCacheImpl):
+    """How KernelCache gets results back."""
+
+    def rebuild(self, target_context, payload):
+        return super().rebuild(KernelContext(target_context), payload)
+
+
+class KernelCache(FunctionCache):
+    """What has been compiled, on disk."""
+
+    _impl_class = KernelCacheImpl
+
+
+# ---- Compiling -------------------------------------------------------------------------------------------------------
+
+
 class RootCompiler(compiler.Compiler):
     """numba's compiler, into a KernelLibrary."""
 
@@ -83,7 +148,7 @@ class RootCompiler(compiler.Compiler):
 
     def _compile_bytecode(self):
         state = self.state
-        state.library = KernelLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
+        state.library = KernelLibrary(codegen(), state.func_id.func_qualname)
         state.library.is_inner = self.is_inner
         state.library.enable_object_caching()
         state.flags.no_compile |= self.is_inner
@@ -104,6 +169,15 @@ class InnerDispatcher(CPUDispatcher):
         self.overloads[tuple(cres.signature.args)] = cres._replace(entry_point=name)
 
 
+class EntryPoint(CFunc):
+    """A root that machine code calls through its address."""
+
+    def __init__(self, py_func, signature, options):
+        super().__init__(py_func, signature, locals={}, options=options, pipeline_class=RootCompiler)
+        self._cache = KernelCache(py_func)
+        self.compile()
+
+
 class KernelDispatcher(CPUDispatcher):
     """A kernel as Python calls it; where kernels call it they get the inner one."""
 
@@ -111,6 +185,9 @@ class KernelDispatcher(CPUDispatcher):
         super().__init__(py_func, locals, targetoptions, pipeline_class)
         options = {**self.targetoptions, "no_cpython_wrapper": True}
         self.inner = InnerDispatcher(py_func, locals, options, InnerCompiler)
+
+    def enable_caching(self):
+        self._cache = KernelCache(self.py_func)
 
     def get_call_template(self, args, kws):
         return self.inner.get_call_template(args, kws)

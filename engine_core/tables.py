@@ -226,11 +226,8 @@ LOBE = np.dtype(
         ("alpha_y", "f4"),
         ("alpha_r", "f4"),  # HAIR: variance of what its scales reflect
         ("facets", "i4"),  # Facets: of what shape the bumps of microfacets are
-        (
-            "loose",
-            "i4",
-        ),  # DIELECTRIC, REFRACTION: 1: light is refracted, too, where no microfacet would send a ray: what
-        # Cycles shows of rough glass under lamps, more than there is
+        ("loose", "i4"),  # DIELECTRIC, REFRACTION: 1: light is refracted, too, where no microfacet would send a ray:
+        # what Cycles shows of rough glass under lamps, more than there is
         ("ior", "f4"),  # inside over outside, as on the material; at a hit: far side over near side
         ("fresnel", "i4"),  # FresnelKind; SUBSURFACE: SubsurfaceKind; HAIR_...: 1: its frame has a given tangent
         ("film_thickness", "f4"),  # nanometres of a thin film over microfacets; 0: there is none
@@ -242,8 +239,10 @@ LOBE = np.dtype(
         ("g", "f4"),  # SUBSURFACE: anisotropy of its phase function; HAIR: sine of the tilt of its scales
         ("multiscatter", "i4"),  # 1: compensate the energy that single scattering loses (Turquin 2019)
         ("energy_scale", "f4"),  # at a hit: what that compensation came to
-        ("alpha", "f4"),  # at a hit: of both widths, as if they were equal ...
-        ("roughness", "f4"),  # ... and its root
+        ("roughness", "f4"),  # at a hit, with microfacets: where tables are asked for their width ...
+        ("angle", "f4"),  # ... and, of glass, for the angle that it is seen from
+        ("share", "f4"),  # at a hit, of a mirror: of light from everywhere, what it gives back by single scattering ...
+        ("mean_share", "f4"),  # ... and the mean of that over all angles
         ("layer", "i4"),  # lobes of one layer number lie under the covering ones before them; 0: under none
         ("covers", "f4"),  # share of what lies below that this lobe covers (a coat's weight, without the mix factor):
         # what it reflects there does not reach the later lobes of its layer, nor what its refract_tint absorbs
@@ -251,7 +250,14 @@ LOBE = np.dtype(
     ]
 )
 MAX_LOBES = 8
-FRAME = np.dtype([("n", "f4", (3,)), ("s", "f4", (3,)), ("t", "f4", (3,))])  # unit, at right angles; n the normal
+FRAME = np.dtype(
+    [  # unit vectors at right angles
+        ("n", "f4", (3,)),  # the normal
+        ("s", "f4", (3,)),
+        ("t", "f4", (3,)),
+        ("bend", "f4"),  # of the normal from the smooth one: width^2 of microfacets that shadow as bumps so steep
+    ]
+)
 MAX_FRAMES = 8
 BSDF = np.dtype(
     [  # how light scatters at one point: made at a hit by shader/, read by bsdf/

@@ -136,7 +136,7 @@ def _combine_hsv(values, node, output, groups):
 
 
 def _rgb_to_bw(values, node, output, groups):
-    return graph.node(Op.LUMINANCE, values.color(node, groups, "Color"))
+    return graph.luminance(values.color(node, groups, "Color"))
 
 
 def _hue_saturation(values, node, output, groups):

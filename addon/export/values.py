@@ -5,8 +5,6 @@ Each kind of node has its function in `node_values`, `node_inputs`, `node_textur
 none is told by name, and its place is taken by a stand-in.
 """
 
-import math
-
 from ..core import graph, opcodes
 from . import displacement, node_inputs, node_lights, node_probes, node_textures, node_values
 from .graph import by_identifier, source
@@ -92,11 +90,5 @@ def converted(value, start, end):
     if end == "VALUE":
         if is_number:
             return value
-        op = Op.LUMINANCE if start == "RGBA" else Op.AVERAGE
-        return graph.node(op, value) if not graph.is_constant(value) else _number(value, op)
+        return graph.luminance(value) if start == "RGBA" else graph.mean(value)
     return graph.splat(value) if is_number else value
-
-
-def _number(value, op):
-    weights = (0.2126, 0.7152, 0.0722) if op == Op.LUMINANCE else (1.0 / 3.0,) * 3
-    return math.fsum(v * w for v, w in zip(value, weights, strict=True))

@@ -11,6 +11,7 @@ from .programs import faults_of_picture
 
 RARELY = {"ShaderNodeVolumePrincipled", "ShaderNodeVolumeScatter", "ShaderNodeVolumeAbsorption"}
 NEVER = {"ShaderNodeScript", "ShaderNodeGroup", "ShaderNodeCustomGroup", "ShaderNodeTree"}
+MOST_DETAIL = 15.0
 NUMBERS = [0.0, 1.0, -1.0, 0.3, 1e-20, 1e20, 7.7, -4.2]
 
 
@@ -54,6 +55,8 @@ def fill(rng, tree, output, size, image, volumes):
         for socket in b_node.inputs:
             if hasattr(socket, "default_value") and rng.random() < 0.5:
                 choose(rng, socket, socket.bl_rna.properties["default_value"], image)
+                if socket.name == "Detail":  # Blender, where it computes constants, and Cycles with it add all octaves
+                    socket.default_value = min(socket.default_value, MOST_DETAIL)
     tree.nodes.new(f"ShaderNodeOutput{output}").is_active_output = rng.random() < 0.9  # some are of another kind
     wired = list(tree.nodes)  # each to some of the last ones before it; a few to any, which makes rings
     for number, b_node in enumerate(wired):

@@ -44,7 +44,7 @@ def sample(lobe, wo, u_choice, u0, u1):
 @kernel
 def albedo(lobe, wo):
     """To some hundredths, see `seeming_albedo`."""
-    return seeming_albedo(lobe, wo) * energy.mirror_share(lobe, max(wo.z, ZERO))
+    return seeming_albedo(lobe, wo) * energy.mirror_share(lobe) if wo.z > 0.0 else BLACK
 
 
 # ---- Fresnel and what lies below -------------------------------------------------------------------------------------
@@ -72,9 +72,9 @@ def seeming_albedo(lobe, wo):
 
 
 @kernel
-def compensate(lobe, wo):
+def compensate(lobe):
     """Set `energy_scale`; gives the colour that the further bounces add, a factor for the weight."""
-    return energy.compensate_reflection(lobe, wo.z, fresnel_coating_average(lobe.ior, load3(lobe, "f0")))
+    return energy.compensate_reflection(lobe, fresnel_coating_average(lobe.ior, load3(lobe, "f0")))
 
 
 @kernel

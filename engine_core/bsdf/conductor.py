@@ -49,7 +49,7 @@ def sample(lobe, wo, u_choice, u0, u1):
 def albedo(lobe, wo):
     if wo.z <= 0.0:
         return BLACK
-    share = energy.mirror_share(lobe, wo.z)
+    share = energy.mirror_share(lobe)
     if lobe.fresnel == FresnelKind.CONSTANT or lobe.fresnel == FresnelKind.THIN_WALL or has_film(lobe):
         return reflectance(lobe, wo.z) * share
     f0, b = as_f82(lobe)
@@ -95,10 +95,10 @@ def compensate(lobe, wo):
         reflected, _ = thin_wall.shares(lobe, wo.z)
         if microfacet.is_smooth(lobe):
             return reflected
-        return reflected * energy.compensate_reflection(lobe, wo.z, load3(lobe, "f0"))
+        return reflected * energy.compensate_reflection(lobe, load3(lobe, "f0"))
     if lobe.fresnel == FresnelKind.CONSTANT:
         average = load3(lobe, "f0")
     else:
         f0, b = as_f82(lobe)
         average = fresnel_f82_average(f0, b)
-    return energy.compensate_reflection(lobe, wo.z, average)
+    return energy.compensate_reflection(lobe, average)

@@ -64,7 +64,7 @@ def albedo(lobe, wo):
     if microfacet.passes_straight(lobe):
         reflected, refracted, _, _ = halves(lobe, wo.z)
         return reflected + refracted
-    share = energy.glass_albedo(lobe, wo.z)
+    share = energy.glass_albedo(lobe)
     if has_film(lobe):
         reflected, refracted, _, _ = halves(lobe, wo.z)
         return (reflected + refracted) * (share * lobe.energy_scale)
@@ -90,9 +90,9 @@ def halves(lobe, cos_h):
 
 
 @kernel
-def compensate(lobe, wo):
+def compensate(lobe):
     """Set `energy_scale`; gives the colour that the further bounces add, a factor for the weight.
 
     Most of that light has been refracted, so it takes the tint of refraction, as in Cycles.
     """
-    return energy.compensate_glass(lobe, wo.z, load3(lobe, "refract_tint"))
+    return energy.compensate_glass(lobe, load3(lobe, "refract_tint"))

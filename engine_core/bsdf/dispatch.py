@@ -23,7 +23,7 @@ from ..jit import kernel
 from ..linalg.vec3 import BLACK, WHITE, Vec3, average, dot, is_black, load3, max_component, store3
 from ..tables import FresnelKind, LobeKind, Visibility
 from . import coating, conductor, dielectric, hair, hair_facets, thin_wall
-from .energy import set_roughness
+from .energy import look_as_at, look_at_glass, look_at_mirror
 from .kinds import is_delta, is_mirror, lobe_albedo, lobe_evaluate_and_pdf, lobe_sample, mirror_value
 from .lobe import ONE, ZERO, has_no_sides, is_fibre, is_matt
 from .microfacet import Reflection, evaluate_reflection, has_facets_of, is_smooth, passes_straight
@@ -99,7 +99,7 @@ def sample(bsdf, wo, u_lobe, u0, u1):
         is_transmission = hair_facets.goes_through(lobe, to_local(frame, wo), u)
     weight, density = load3(lobe, "weight") * s.weight, pmf * s.pdf
     if lobe.frame > 0 and not s.is_delta:
-        weight = weight * let_away(lobe.kind, bump_shadowing(bsdf, lobe.frame, wi))
+        weight = weight * let_away(lobe.kind, bump_shadowing(bsdf, lobe.frame, wi, s.wi.z))
     if bsdf.shadow_stretch > 1.0 and not is_transmission:
         weight = weight * _stretched(bsdf.shadow_stretch, s.wi.z)
     if bsdf.count > 1:
@@ -229,7 +229,7 @@ def _sum_lobes(bsdf, wo, wi, but, n):
                 frame, mirror = lobe.frame, -1
                 wo_local, wi_local = to_local(bsdf.frames[frame], wo), to_local(bsdf.frames[frame], wi)
                 if frame > 0:
-                    shadowing = bump_shadowing(bsdf, frame, wi)
+                    shadowing = bump_shadowing(bsdf, frame, wi, wi_local.z)
             if (wi_local.z > 0.0) == is_above or has_no_sides(lobe.kind):
                 if is_mirror(lobe.kind):
                     if mirror < 0 or not has_facets_of(lobe, bsdf.lobes[mirror]):
@@ -257,24 +257,21 @@ def _density_of_lobe(bsdf, lobe, wo, wi):
 
 
 @kernel
-def bump_shadowing(bsdf, frame, wi):
-    """Share of what lobes with a bent normal scatter to wi that gets away, a BumpShadowing.
+def bump_shadowing(bsdf, row, wi, z):
+    """Share of what lobes with a bent normal scatter to wi that gets away, a BumpShadowing; z: its height in the frame.
 
     None where the smooth normal and the bent one disagree on which side wi is. What matt lobes scatter is shadowed as
     by microfacets as steep as the bend (Conty Estevez, Lecocq and Stein 2019, "A Microfacet-Based Shadowing Function to
     Solve the Bump Terminator Problem"), so that light fades towards the horizon and is not cut off.
     """
-    n, smooth = load3(bsdf.frames[frame], "n"), load3(bsdf.frames[0], "n")
-    cos_i, cos_d = dot(smooth, wi), dot(smooth, n)
-    if cos_i * cos_d * dot(n, wi) < 0.0:
+    frame, smooth = bsdf.frames[row], load3(bsdf.frames[0], "n")
+    cos = dot(smooth, wi)
+    if cos * z * dot(smooth, load3(frame, "n")) < 0.0:
         return BumpShadowing(ZERO, ZERO)
-    cos2_i, cos2_d = cos_i * cos_i, cos_d * cos_d
-    if cos2_d >= 1.0 or cos2_i >= 1.0:
-        return UNSHADOWED
-    if cos2_i < 1e-12:
+    cos = abs(cos)
+    if cos < 1e-6:
         return BumpShadowing(ZERO, ONE)
-    alpha2 = min(0.125 * (1.0 / cos2_d - 1.0), 1.0)
-    return BumpShadowing(2.0 / (1.0 + math.sqrt(1.0 + alpha2 * (1.0 / cos2_i - 1.0))), ONE)
+    return BumpShadowing(2.0 * cos / (cos + math.sqrt(cos * cos + frame.bend * (1.0 - cos * cos))), ONE)
 
 
 @kernel
@@ -311,7 +308,8 @@ def prepare(bsdf, wo, backfacing):
     for i in range(bsdf.count):
         lobe = bsdf.lobes[i]
         wo_local = to_local(bsdf.frames[lobe.frame], wo)
-        set_roughness(lobe)
+        if wo_local.z > 0.0:
+            _look_at(bsdf, i, wo_local)
         if backfacing and (lobe.kind == LobeKind.DIELECTRIC or lobe.kind == LobeKind.REFRACTION):
             lobe.film_ior /= lobe.ior
             lobe.ior = 1.0 / lobe.ior
@@ -336,6 +334,20 @@ def prepare(bsdf, wo, backfacing):
 
 
 @kernel
+def _look_at(bsdf, row, wo):
+    """Ask the tables for a lobe of microfacets; most often that before it has the same, such as the metal below a
+    varnish."""
+    lobe, before = bsdf.lobes[row], bsdf.lobes[max(row - 1, 0)]
+    if is_mirror(lobe.kind) or lobe.kind == LobeKind.THIN_WALL:
+        if row > 0 and is_mirror(before.kind) and before.frame == lobe.frame and has_facets_of(lobe, before):
+            look_as_at(lobe, before)
+        else:
+            look_at_mirror(lobe, wo.z)
+    elif lobe.kind == LobeKind.DIELECTRIC or lobe.kind == LobeKind.REFRACTION:
+        look_at_glass(lobe, wo.z)
+
+
+@kernel
 def _compensate(lobe, wo):
     """Set `energy_scale` of a lobe that has one; gives a factor for its weight."""
     if lobe.kind == LobeKind.CONDUCTOR and (lobe.fresnel == FresnelKind.THIN_WALL or not is_smooth(lobe)):
@@ -343,9 +355,9 @@ def _compensate(lobe, wo):
     if lobe.kind == LobeKind.THIN_WALL:
         return thin_wall.compensate(lobe, wo)
     if lobe.kind == LobeKind.COATING and not is_smooth(lobe):
-        return coating.compensate(lobe, wo)
+        return coating.compensate(lobe)
     if lobe.kind == LobeKind.DIELECTRIC and not passes_straight(lobe):
-        return dielectric.compensate(lobe, wo)
+        return dielectric.compensate(lobe)
     return WHITE
 
 

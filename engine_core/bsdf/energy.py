@@ -34,6 +34,29 @@ GLASS_INSIDE = 1  # ... from inside; GLASS_AVERAGE[0 or 1, index, roughness] are
 FRESNEL = 2  # mean reflectance of a dielectric, from outside, over that of a smooth surface
 VARNISH = 3  # [.., .., cos]: how far a varnish seems on the way from its reflectance at normal incidence to 1
 
+# ---- Where tables are asked: once for all questions of a hit ---------------------------------------------------------
+
+
+@kernel
+def look_at_glass(lobe, cos):
+    """Make a lobe that refracts by microfacets ready to be asked what follows, seen at that cosine."""
+    alpha = math.sqrt(lobe.alpha_x * lobe.alpha_y)
+    lobe.roughness, lobe.angle = math.sqrt(alpha), _view(cos, alpha)
+
+
+@kernel
+def look_at_mirror(lobe, cos):
+    """The same of one that does nothing but reflect."""
+    lobe.roughness = math.sqrt(math.sqrt(lobe.alpha_x * lobe.alpha_y))
+    lobe.share, lobe.mean_share = ggx_albedo(lobe, cos), _line(lobe.roughness)
+
+
+@kernel
+def look_as_at(lobe, other):
+    """The same where another has equal microfacets."""
+    lobe.roughness, lobe.share, lobe.mean_share = other.roughness, other.share, other.mean_share
+
+
 # ---- Single scattering, by the cosine of wo --------------------------------------------------------------------------
 
 
@@ -44,12 +67,11 @@ def ggx_albedo(lobe, cos):
 
 
 @kernel
-def mirror_share(lobe, cos):
+def mirror_share(lobe):
     """The same with what `compensate` makes up for, which is all. Of Beckmann facets, which lose less, an estimate."""
     if lobe.multiscatter:
         return ONE
-    share = ggx_albedo(lobe, cos)
-    return math.sqrt(share) if lobe.facets == Facets.BECKMANN else share
+    return math.sqrt(lobe.share) if lobe.facets == Facets.BECKMANN else lobe.share
 
 
 @kernel
@@ -65,7 +87,7 @@ def mean_dielectric(lobe, cos):
     smooth, _ = fresnel_dielectric(cos, lobe.ior)
     if lobe.ior <= 1.0:
         return smooth
-    return smooth * _volume(FRESNEL, _index(lobe.ior), lobe.roughness, _view(cos, lobe.alpha))
+    return smooth * _volume(FRESNEL, _index(lobe.ior), lobe.roughness, lobe.angle)
 
 
 @kernel
@@ -80,10 +102,10 @@ def seeming_rise(lobe, cos):
 
 
 @kernel
-def glass_albedo(lobe, cos):
+def glass_albedo(lobe):
     """Share of light that white glass gives back by single scattering, reflected and refracted."""
     side = GLASS_INSIDE if lobe.ior < 1.0 else GLASS
-    return _volume(side, _index(lobe.ior), lobe.roughness, _view(cos, lobe.alpha))
+    return _volume(side, _index(lobe.ior), lobe.roughness, lobe.angle)
 
 
 @kernel
@@ -96,18 +118,17 @@ def glass_share(ior, alpha, cos):
 
 
 @kernel
-def compensate_reflection(lobe, cos, reflectance):
+def compensate_reflection(lobe, reflectance):
     """Set `energy_scale` of a rough mirror whose mean Fresnel reflectance is `reflectance`; see `_compensate`."""
-    average = _line(lobe.roughness)
-    return _compensate(lobe, ggx_albedo(lobe, cos), average, reflectance)
+    return _compensate(lobe, lobe.share, lobe.mean_share, reflectance)
 
 
 @kernel
-def compensate_glass(lobe, cos, tint):
+def compensate_glass(lobe, tint):
     """Set `energy_scale` of rough glass whose further bounces take the colour `tint`; see `_compensate`."""
     side = GLASS_INSIDE if lobe.ior < 1.0 else GLASS
     average = _glass_average(side, _index(lobe.ior), lobe.roughness)
-    return _compensate(lobe, glass_albedo(lobe, cos), average, tint)
+    return _compensate(lobe, glass_albedo(lobe), average, tint)
 
 
 @kernel
@@ -124,13 +145,6 @@ def _compensate(lobe, albedo, average, reflectance):
 
 
 # ---- Tables ----------------------------------------------------------------------------------------------------------
-
-
-@kernel
-def set_roughness(lobe):
-    """Where the tables are asked for this lobe: once for all questions of a hit."""
-    lobe.alpha = math.sqrt(lobe.alpha_x * lobe.alpha_y)
-    lobe.roughness = math.sqrt(lobe.alpha)
 
 
 @kernel

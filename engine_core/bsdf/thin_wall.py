@@ -39,7 +39,7 @@ def sample(lobe, wo, u_choice, u0, u1):
 
 @kernel
 def albedo(lobe, wo):
-    return WHITE * energy.mirror_share(lobe, wo.z) if wo.z > 0.0 else BLACK
+    return WHITE * energy.mirror_share(lobe) if wo.z > 0.0 else BLACK
 
 
 @kernel
@@ -47,7 +47,7 @@ def compensate(lobe, wo):
     """Set `energy_scale`; gives a factor for the weight."""
     _, transmitted = shares(lobe, wo.z)
     if not microfacet.is_smooth(lobe):
-        energy.compensate_reflection(lobe, wo.z, WHITE)
+        energy.compensate_reflection(lobe, WHITE)
     return transmitted
 
 

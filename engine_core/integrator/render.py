@@ -23,6 +23,7 @@ from .path import trace
 
 ZERO = np.float32(0.0)
 NO_DEPTH = np.float32(1e10)  # what Blender's depth pass says where nothing was hit
+TOO_MUCH = np.float32(1e18)  # radiance that is an overflow or leads to one: its square is near what float32 can hold
 Z_AXIS = Vec3(0.0, 0.0, 1.0)
 
 
@@ -74,7 +75,7 @@ def render_tile(scene, settings, film, x0, y0, width, height, most):
                 )
                 s = trace(scene, settings, film, sampler, ray, time)
                 L = s.L * settings.exposure
-                if not math.isfinite(L.x + L.y + L.z):
+                if not abs(L.x) + abs(L.y) + abs(L.z) < TOO_MUCH:
                     L = BLACK  # one overflow in a million samples must not cost the pixel
                 if settings.share_samples != 0:
                     give(film, settings, y * settings.crop_width + x, area, dx, dy, L, s.alpha)

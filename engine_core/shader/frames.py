@@ -41,9 +41,13 @@ def frame_with(bsdf, normal, tangent):
 
 @kernel
 def complete_frames(bsdf):
-    """Make tangents that are at right angles to the normals."""
-    for i in range(bsdf.frame_count):
-        _complete(bsdf.frames[i])
+    """Make tangents that are at right angles to the normals, in frames that lobes have."""
+    last = -1
+    for i in range(bsdf.count):
+        row = bsdf.lobes[i].frame
+        if row != last:
+            _complete(bsdf, row)
+            last = row
 
 
 @kernel
@@ -83,7 +87,7 @@ def _anywhere_across(it, wo, tangent):
 def _lay(bsdf, lobe, n, tangent):
     along = safe_normalize(tangent)
     lobe.frame = _new_frame(bsdf, safe_normalize(n - along * dot(n, along)), along)
-    _complete(bsdf.frames[lobe.frame])
+    _complete(bsdf, lobe.frame)
 
 
 @kernel
@@ -135,7 +139,7 @@ def _raised(bsdf, row, ng, wo):
     root = math.sqrt(max(b * b - 4.0 * a * c, 0.0))
     z2 = min(max(0.25 * ((b + root) if across < 0.0 else (b - root)) / a, ZERO), 1.0) if a > 0.0 else 1.0
     new = _new_frame(bsdf, side * math.sqrt(1.0 - z2) + ng * math.sqrt(z2), load3(bsdf.frames[row], "s"))
-    _complete(bsdf.frames[new])
+    _complete(bsdf, new)
     return new
 
 
@@ -150,7 +154,8 @@ def _new_frame(bsdf, n, tangent):
 
 
 @kernel
-def _complete(frame):
+def _complete(bsdf, row):
+    frame = bsdf.frames[row]
     n = load3(frame, "n")
     s, t = frame_from_normal(n)
     along = cross(n, load3(frame, "s"))
@@ -159,3 +164,7 @@ def _complete(frame):
         s = cross(t, n)
     store3(frame, "s", s)
     store3(frame, "t", t)
+    frame.bend = ZERO
+    if row > 0:  # Conty Estevez, Lecocq and Stein 2019, see `bsdf.dispatch.bump_shadowing`
+        cos = dot(n, load3(bsdf.frames[0], "n"))
+        frame.bend = min(max(0.125 * (1.0 / (cos * cos) - 1.0), 0.0), 1.0)

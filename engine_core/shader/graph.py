@@ -6,15 +6,18 @@
     height = node(Op.MATH, factor, 2.0, 0.0, mode=Math.MULTIPLY)
 
 A value is a number, a tuple of three, a Node, or a Part of one. Where a number is needed and three are given, or the
-other way round, it is the caller who says what that means: see `splat`, Op.AVERAGE and Op.LUMINANCE.
+other way round, it is the caller who says what that means: see `splat`, `mean` and `luminance`.
 Graphs have no cycles, since a node's operands are there before it is.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from .opcodes import DIRECTION_BITS, FOOTPRINT, MOST_STEPS, SIGNATURES, STEPS_PER_FOOTPRINT, Math, Op
+
+LUMINANCE = (0.2126, 0.7152, 0.0722)  # of red, green and blue; see `vec3.luminance`
 
 
 class GraphError(ValueError):
@@ -98,9 +101,23 @@ def part(value, offset, size=1):
     return float(value[offset]) if size == 1 else tuple(float(v) for v in value[offset : offset + size])
 
 
+def mean(vector):
+    """Of the three numbers of a vector."""
+    return math.fsum(vector) / 3.0 if is_constant(vector) else node(Op.AVERAGE, vector)
+
+
 def splat(value):
     """A number as three equal ones."""
     return node(Op.COMBINE, value, value, value) if not is_constant(value) else (float(value),) * 3
+
+
+def luminance(color):
+    """A colour's as a number. What looks at images has it beside the colour."""
+    if is_constant(color):
+        return math.fsum(c * w for c, w in zip(color, LUMINANCE, strict=True))
+    if isinstance(color, Part) and color.offset == 0 and color.node.op in (Op.IMAGE, Op.ENVIRONMENT):
+        return Part(color.node, 4, 1)
+    return node(Op.LUMINANCE, color)
 
 
 def scaled(color, factor):

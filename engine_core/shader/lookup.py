@@ -4,8 +4,9 @@
 import numpy as np
 
 from ..jit import kernel
+from ..linalg.registers import store_float
 from ..linalg.transform import transform_normal
-from ..linalg.vec3 import BLACK, Vec3, load3
+from ..linalg.vec3 import BLACK, Vec3, load3, luminance
 from ..linalg.vector_math import safe_normalize
 from ..motion import instance_at, new_instance
 from ..program_tables import TexelFormat
@@ -36,6 +37,7 @@ def run(scene, op, point, registers):
             u, v = images.sphere_to_square(p) if projection == Projection.SPHERE else images.tube_to_square(p)
         rgba = look(scene, op, u, v)
     give_both(op, registers, rgba.color, rgba.alpha)
+    store_float(registers, op.out + 4, luminance(rgba.color))
 
 
 @kernel
