@@ -12,7 +12,7 @@ from ..jit import kernel
 from ..linalg.vec3 import BLACK, WHITE, Vec3, lerp, load3
 from . import energy, microfacet
 from .fresnel import f0_of_coating, fresnel_coating, fresnel_coating_average
-from .lobe import ONE, ZERO, LobeSample, LobeValue, mirror_direction, no_direction, nothing
+from .lobe import ONE, LobeSample, LobeValue, mirror_direction, no_direction, nothing
 from .thin_film import film_over_dielectric, has_film, tinted_film
 
 
