@@ -241,6 +241,29 @@ def test_a_medium_that_absorbs_nothing_is_not_seen_in_a_white_world(shape, eye_y
 
 
 @pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_media_in_one_place_scatter_together(integrator):
+    """Nothing is lost where a box of smoke reaches into a ball of another one."""
+    b = builder(eye=(0, -5, 0.2), target=(0, 1, 0.2), field_of_view=25)
+    b.background((1, 1, 1))
+    fill(b, VolumeScatter((1, 1, 1), 0.5, Rayleigh()), "mesh")
+    aside = np.eye(4)
+    aside[0, 3] = 0.5
+    fill(b, VolumeScatter((0, 0.3, 1), 1.0, HenyeyGreenstein(0.5)), "sphere", aside)
+    mean, error = mean_and_error(picture(b, size=16, samples=64, integrator=integrator, adaptive=0))
+    assert (error < 0.01).all()
+    assert (np.abs(mean - 1.0) < 4.5 * error + 1e-4).all()
+
+
+def test_media_in_one_place_shine_together():
+    """Seen from within both, of which one absorbs."""
+    b = seen_along_y(eye_y=0.0)
+    b.background((0, 0, 0))
+    fill(b, VolumeCoefficients((0.5, 0.5, 0.5), (0, 0, 0), emission=(0.3, 0.2, 0.1)), "mesh")
+    fill(b, VolumeCoefficients((0, 0, 0), (0, 0, 0), emission=(0.0, 0.2, 0.4)), "sphere")
+    assert_seen(b, np.array([0.3, 0.4, 0.5]) * (1.0 - np.exp(-0.5)) / 0.5)
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
 def test_fog_without_end_hides_the_world(integrator):
     """The world's medium is everywhere: what is beyond has no light left; a wall has what Beer's law leaves of it."""
     b = seen_along_y(eye_y=0.0)
