@@ -65,9 +65,6 @@ def _mix(values, node, output, groups):
             else values.vector(node, groups, "Factor_Vector")
         )
         return graph.node(Op.MIX_VECTOR, factor, a, b, mode=clamps)
-    if node.data_type != "FLOAT":
-        values.warn(node, "rotations are not mixed yet; using the first")
-        return None
     a, b = (values.number(node, groups, name) for name in ("A_Float", "B_Float"))
     return graph.node(Op.MIX_NUMBER, values.number(node, groups, "Factor_Float"), a, b, mode=clamps)
 

@@ -52,8 +52,17 @@ def material_surface(context, b_material):
 
 
 def seen_as_hole(surface):
-    """The same closure for all rays but those of the camera, which see a hole in the picture; None stays None."""
-    return surface and m.Mix(number_input(opcodes.InputNumber.IS_CAMERA), surface, m.Holdout())
+    """The same closure for all rays but those of the camera, which see a hole in the picture; None stays None.
+
+    What is transparent stays so for them, too: the hole is what is left.
+    """
+    if surface is None:
+        return None
+    through = flatten(surface).transparency
+    hole = m.Holdout(graph.added(m.WHITE, graph.scaled(through, -1.0)))
+    if not graph.is_constant(through) or any(through):
+        hole = m.Add(hole, m.Transparent(through))
+    return m.Mix(number_input(opcodes.InputNumber.IS_CAMERA), surface, hole)
 
 
 def material_displacement(context, b_material):

@@ -51,7 +51,6 @@ PARTLY = {
     "EEVEE_SPECULAR": "a Principled BSDF instead; Cycles does not render it at all",
     "LIGHT_PATH": "portals: 0; what samples a lamp or a world sees a depth of 0",
     "MATERIAL_RAYCAST": "attributes of what is hit are 0",
-    "MIX": "rotations are not mixed",
     "TEX_IMAGE": "Cineon files, and alpha modes that do not fit the file: as Blender reads them",
     "PRINCIPLED_VOLUME": "attributes of volumes count as 1",
     "OUTPUT_MATERIAL": "the exporter reports what it leaves out of volume and displacement",

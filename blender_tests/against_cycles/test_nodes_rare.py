@@ -116,3 +116,45 @@ def test_holdouts_leave_empty_what_they_do_in_cycles(is_transparent):
     difference = np.abs(ours - theirs).max(axis=-1)
     assert np.mean(difference > 2e-3) < 0.15, "more than the pixels at outlines"
     assert difference.max() < 0.1
+
+
+def objects_held_out():
+    """As above, but holdouts are objects, by how much is transparent: nothing, parts, colours, glass; two in a row."""
+    holdouts()
+    for name, color, factor in (
+        ("all", (0.0, 0.0, 0.0, 1.0), 0.5),
+        ("part", (0.9, 0.5, 0.2, 1.0), 0.3),
+        ("varying", (0.9, 0.5, 0.2, 1.0), None),
+        ("under", (0.2, 0.6, 0.8, 1.0), 1.0),
+    ):
+        b_object = bpy.data.objects[name]
+        b_object.is_holdout = True
+        b_object.data.materials[0] = half_clear(name, color, factor)
+    principled = bpy.data.materials.new("principled")
+    if bpy.app.version < (5, 0):
+        principled.use_nodes = True
+    next(n for n in principled.node_tree.nodes if n.type == "BSDF_PRINCIPLED").inputs["Alpha"].default_value = 0.3
+    above = add_object("Principled", square(), location=(1, -0.6, 3), scale=(0.5, 0.3, 0.5))
+    above.data.materials.append(principled)
+    above.is_holdout = True
+
+
+def half_clear(name, color, factor):
+    """Emission and Transparent of `color`, mixed by `factor`, or by a gradient."""
+    b_material = held_out(f"clear {name}", factor, "Emission")
+    tree = b_material.node_tree
+    mix = next(n for n in tree.nodes if n.type == "MIX_SHADER")
+    tree.links.new(add(tree, "BsdfTransparent", {0: color}).outputs[0], mix.inputs[2])
+    return b_material
+
+
+@pytest.mark.parametrize("is_transparent", [True, False])
+def test_objects_that_are_holdouts_leave_holes_by_their_opacity(is_transparent):
+    scene = open_for_both(objects_held_out, (64, 24))
+    scene.render.film_transparent = is_transparent
+    ours, theirs = (render_with(engine, scene, 64)[0] for engine in ("LAMBENT", "CYCLES"))
+    if is_transparent:
+        assert len(np.unique(theirs[..., 3].round(2))) > 5
+    difference = np.abs(ours - theirs).max(axis=-1)
+    assert np.mean(difference > 2e-3) < 0.15, "more than the pixels at outlines"
+    assert difference.max() < 0.1

@@ -176,7 +176,7 @@ def arrive(scene, settings, walk, hit):
         L = surface_emission(scene, it, Le, d, origin_of(walk), walk.distance + hit.t)
         gather(walk, L, limit_of_found(settings, walk))
     if material.flags & MaterialFlag.HOLDOUT.value and walk.visibility == CAMERA:
-        walk.alpha -= average(load3(walk, "beta")) * holdout(scene, material, walk.point)
+        walk.alpha -= average(load3(walk, "beta") * holdout(scene, material, walk.point))
     return it
 
 

@@ -25,7 +25,7 @@ class Surface(NamedTuple):
     closures: list  # (row of CLOSURE, {field: value that varies})
     emission: object  # value: radiance
     transparency: object  # value: what light passes straight through
-    holdout: object  # value: how much of the picture stays empty, three equal floats
+    holdout: object  # value: how much of the picture stays empty, by channel
 
 
 def flatten(surface):
@@ -91,7 +91,7 @@ class _Flattening:
         pass
 
     def _holdout(self, c, weight):
-        self.holdout = graph.added(self.holdout, graph.splat(weight))
+        self.holdout = graph.added(self.holdout, graph.scaled(c.color, weight))
 
     def _mix(self, c, weight):
         factor = graph.clamped(c.factor)

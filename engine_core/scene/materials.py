@@ -42,7 +42,9 @@ class Transparent:
 
 @dataclass(frozen=True)
 class Holdout:
-    """Absorbs everything, and leaves the picture empty where the camera sees it."""
+    """Absorbs everything, and leaves the picture empty where the camera sees it: `color` says how much of it."""
+
+    color: tuple = WHITE
 
 
 @dataclass(frozen=True)

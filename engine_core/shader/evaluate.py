@@ -79,10 +79,10 @@ def emission(scene, material, point):
 
 @kernel
 def holdout(scene, material, point):
-    """How much of the picture a surface leaves empty where the camera sees it, 0 to 1."""
+    """How much of the picture a surface leaves empty where the camera sees it, 0 to 1 in each channel."""
     if material.holdout_program > 0:
-        return run_program(scene, material.holdout_program, point).x
-    return material.holdout[0]
+        return run_program(scene, material.holdout_program, point)
+    return load3(material, "holdout")
 
 
 @kernel
