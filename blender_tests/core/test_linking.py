@@ -8,7 +8,7 @@ import pytest
 from engine_core.jit import OPTIONS, entry_point, inlined_kernel, kernel
 from engine_core.linalg.records import numba_type
 from engine_core.linalg.registers import call
-from engine_core.linking import KernelDispatcher
+from engine_core.linking import IS_NEAR, KernelDispatcher, codegen
 
 ROW = np.dtype([("x", "f4")])
 
@@ -93,3 +93,22 @@ def test_entry_points_have_all_inside_of_them():
     entry = entry_point(set_many, *[numba_type(ROW)] * 4)
     call_at(np.uint64(entry.address), rows[0])
     assert rows.x[0] == expected(1.0)
+
+
+@pytest.mark.skipif(not IS_NEAR, reason="on Linux with x86-64 alone")
+def test_machine_code_names_its_constants_by_how_far_away_they_are():
+    root = KernelDispatcher(many.py_func, targetoptions=OPTIONS)
+    root(np.float32(4.0), 1)
+    (text,) = root.inspect_asm().values()
+    named = [line for line in text.splitlines() if ".LCPI" in line and not line.startswith(".LCPI")]
+    assert named and all("(%rip)" in line for line in named)
+
+
+def test_other_users_of_numba_keep_their_way_of_compiling():
+    @numba.njit
+    def plain(x):
+        return x + 1.0
+
+    plain(1.0)
+    (library,) = (compiled.library for compiled in plain.overloads.values())
+    assert library.codegen is not codegen()
