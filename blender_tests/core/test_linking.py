@@ -101,7 +101,8 @@ def test_machine_code_names_its_constants_by_how_far_away_they_are():
     root(np.float32(4.0), 1)
     (text,) = root.inspect_asm().values()
     named = [line for line in text.splitlines() if ".LCPI" in line and not line.startswith(".LCPI")]
-    assert named and all("(%rip)" in line for line in named)
+    assert named
+    assert all("(%rip)" in line for line in named)
 
 
 def test_other_users_of_numba_keep_their_way_of_compiling():
