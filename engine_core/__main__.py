@@ -4,8 +4,9 @@
 import argparse
 import sys
 import time
+from pathlib import Path
 
-from .film.output import save_image
+from .film.output import FORMATS, save_image
 from .integrator import status
 from .integrator.tiles import Render
 from .scene.checks import SceneError
@@ -53,6 +54,7 @@ def render_file(options):
     if options.noise_target is not None:
         changes["noise_target"] = options.noise_target / 100.0
     output = options.output or options.scene.rsplit(".", 1)[0] + ".png"
+    check_output(output)
     render = Render(scene, settings._replace(**changes), options.threads, options.time_limit)
     render.start()
     print("Compiling kernels, if this is the first time ...", file=sys.stderr)
@@ -65,6 +67,15 @@ def render_file(options):
     save_image(output, render.image("Combined"), status.metadata(render))
     print(f"{output}: {status.text(render)}, in {render.elapsed_s:.1f} s")
     return 0
+
+
+def check_output(path):
+    """Refuse before the render what could not be written after it. Raises ValueError."""
+    path = Path(path)
+    if path.suffix.lower() not in FORMATS:
+        raise ValueError(f"{path}: a picture ends in one of {', '.join(FORMATS)}")
+    if not path.parent.is_dir():
+        raise ValueError(f"there is no folder {path.parent} to write {path.name} into")
 
 
 def progress_line(render):

@@ -67,6 +67,14 @@ def test_a_missing_file_is_told_plainly(tmp_path, capsys):
     assert "nowhere.lambent" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("out", ["picture.gif", "nowhere/picture.png"])
+def test_a_picture_that_cannot_be_written_is_refused_before_rendering(scene, out, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(Render, "start", lambda render: pytest.fail("it renders"))
+    save_scene(tmp_path / "scene.lambent", scene, settings(8, samples=1))
+    assert main(["render", str(tmp_path / "scene.lambent"), "-o", str(tmp_path / out)]) == 1
+    assert out.split("/")[0] in capsys.readouterr().err
+
+
 def damage(path, table, change):
     """Rewrite one table of a scene file."""
     with np.load(path) as stored:

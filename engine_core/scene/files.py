@@ -40,6 +40,8 @@ def load_scene(path):
     Raises SceneError, with the name of the file, if it is not such a file, of another version, or damaged.
     """
     name = Path(path).name
+    if Path(path).is_file() and not zipfile.is_zipfile(path):
+        raise SceneError(f"{name}: not a scene file of Lambent, or a part of one")
     try:
         with np.load(path, allow_pickle=False) as stored:
             header = json.loads(stored["header"].tobytes().decode())
