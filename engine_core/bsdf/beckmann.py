@@ -3,8 +3,8 @@
 
 In the words of `microfacet`: there all that depends on the shape of the bumps is the distribution D, the choice of a
 visible normal, and s(w) = z (1 + 2 Lambda(w)), of which Smith's masking is 2 z / (z + s). For GGX that is the length of
-the stretched w; here it is z erf(a) + r exp(-a^2) / sqrt(pi), with r the part of that in the plane and a = z / r. Cycles
-has an approximation of it, by which rough metals are brighter there by up to 0.3 %.
+the stretched w; here it is z erf(a) + r exp(-a^2) / sqrt(pi), with r the part of that in the plane and a = z / r.
+Cycles has an approximation of it, by which rough metals are brighter there by up to 0.3 %.
 """
 
 import math
