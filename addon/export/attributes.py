@@ -8,6 +8,7 @@ from .normals import corner_normals, flat_corners
 
 ACTIVE_COLOR = "<active colour>"  # names that no attribute of an artist has
 TANGENT = "<tangent> "
+ORIGINAL = "<original normal> "  # before displacement, where there is such a UV map
 ISLANDS = "<random per island>"
 POINTINESS = "<pointiness>"
 SIZES = {
@@ -37,6 +38,8 @@ def wanted_names():
             names.add(node.layer_name or ACTIVE_COLOR)
         elif node.type == "TANGENT" or (node.type == "NORMAL_MAP" and node.space == "TANGENT"):
             names.add(TANGENT + node.uv_map)
+            if getattr(node, "base", "DISPLACED") == "ORIGINAL":
+                names.add(ORIGINAL + node.uv_map)
         elif node.type == "VECTOR_DISPLACEMENT" and node.space == "TANGENT":
             names.add(TANGENT)
         elif node.type == "NEW_GEOMETRY":
@@ -53,7 +56,9 @@ def mesh_attributes(b_mesh, corners, names):
             tangents = _tangents(b_mesh, corners, name.removeprefix(TANGENT))
             found |= {} if tangents is None else {name: tangents}
             continue
-        if name == ISLANDS:
+        if name.startswith(ORIGINAL):
+            values = _original_normals(b_mesh, name.removeprefix(ORIGINAL))
+        elif name == ISLANDS:
             values = _islands(b_mesh)
         elif name == POINTINESS:
             values = _pointiness(b_mesh)
@@ -106,12 +111,25 @@ def _owners(b_mesh, domain):
     return np.arange(count)
 
 
+def _uv_name(b_mesh, uv_map):
+    """The UV map of that name, or without a name the active one; None if there is none."""
+    name = uv_map or next((uv.name for uv in b_mesh.uv_layers if uv.active_render), "")
+    return name if name in b_mesh.uv_layers else None
+
+
+def _original_normals(b_mesh, uv_map):
+    """Normals at corners, object space, and 1 where smooth, 0 where flat; (loops, 4). None without that UV map."""
+    if _uv_name(b_mesh, uv_map) is None:
+        return None
+    smooth = ~flat_corners(b_mesh)
+    return np.concatenate([corner_normals(b_mesh), smooth[:, None]], axis=1, dtype=np.float32)
+
+
 def _tangents(b_mesh, corners, uv_map):
     """Tangents of a UV map and the signs of bitangents at the corners of the triangles, (n, 3, 4); None without that
     map. They are those of triangles, as in Cycles; Blender itself has none for faces of more than four corners."""
-    layers = b_mesh.uv_layers
-    name = uv_map or next((uv.name for uv in layers if uv.active_render), "")
-    if name not in layers:
+    name = _uv_name(b_mesh, uv_map)
+    if name is None:
         return None
     triangles = _triangulated(b_mesh, corners.ravel(), name)
     try:

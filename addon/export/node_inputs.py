@@ -208,8 +208,6 @@ def _normal_map(values, node, output, groups):
     color, strength = values.color(node, groups, "Color"), values.number(node, groups, "Strength")
     if getattr(node, "convention", "OPENGL") == "DIRECTX":  # its green points down
         color = _inverted(color, (0.0, 1.0, 0.0))
-    if getattr(node, "base", "DISPLACED") == "ORIGINAL":
-        values.warn(node, "normal maps are relative to the displaced surface; rendering it as such")
     if node.space.startswith("BLENDER_"):
         color = _inverted(color, (0.0, 1.0, 1.0))
     tangent, sign = ZERO3, 1.0
@@ -217,7 +215,26 @@ def _normal_map(values, node, output, groups):
         name = attributes.TANGENT + node.uv_map
         tangent, sign = attribute(name), attribute(name, 1, 3)
         space = "TANGENT_OF_4" if bpy.app.version < (5, 0) else space
-    return graph.node(Op.NORMAL_MAP, color, strength, tangent, sign, mode=opcodes.NormalSpace[space])
+    mapped = graph.node(Op.NORMAL_MAP, color, strength, tangent, sign, mode=opcodes.NormalSpace[space])
+    if space != "TANGENT" or getattr(node, "base", "DISPLACED") != "ORIGINAL":
+        return mapped
+    original = attributes.ORIGINAL + node.uv_map
+    color = _in_object_space(color, attribute(original), tangent, sign)
+    on_original = graph.node(Op.NORMAL_MAP, color, strength, ZERO3, 1.0, mode=opcodes.NormalSpace.OBJECT)
+    return graph.node(Op.MIX_VECTOR, graph.splat(attribute(original, 1, 3)), mapped, on_original)
+
+
+def _in_object_space(color, normal, tangent, sign):
+    """The colour of a normal map in object space that says what `color` says in the frame of normal and tangent."""
+
+    def calculated(operation, a, b=ZERO3):
+        return graph.part(graph.node(Op.VECTOR_MATH, a, b, ZERO3, 0.0, mode=opcodes.VectorMath[operation]), 0, 3)
+
+    bitangent = graph.scaled(calculated("CROSS_PRODUCT", normal, tangent), sign)
+    along = graph.added(graph.scaled(color, 2.0), (-1.0, -1.0, -1.0))
+    x, y, z = (graph.scaled(axis, graph.part(along, i)) for i, axis in enumerate((tangent, bitangent, normal)))
+    mapped = calculated("NORMALIZE", graph.added(graph.added(x, y), z))
+    return graph.added(graph.scaled(mapped, 0.5), (0.5, 0.5, 0.5))
 
 
 def _inverted(color, which):

@@ -9,7 +9,7 @@ from blender_tests.helpers.engines import cells_in_both
 from blender_tests.helpers.exported import add, empty_scene
 from blender_tests.helpers.shader_nodes import socket
 
-CELL, COLUMNS, ROWS = 96, 4, 2
+CELL, COLUMNS, ROWS = 96, 4, 3
 BALLS = {  # name: displacement method, node, its space
     "bumped": ("BUMP", "Displacement", "OBJECT"),
     "displaced": ("DISPLACEMENT", "Displacement", "OBJECT"),
@@ -20,6 +20,14 @@ BALLS = {  # name: displacement method, node, its space
     "bumped by a vector": ("BUMP", "VectorDisplacement", "OBJECT"),
     "displaced and flat": ("DISPLACEMENT", "Displacement", "OBJECT"),
 }
+MAPS = {  # strength of a normal map that is relative to the surface before; only the later Blender lets choose
+    "mapped": 1.0,
+    "mapped weakly": 0.4,
+    "mapped strongly": 1.6,
+    "mapped and flat": 0.7,
+}
+if bpy.app.version >= (5, 2):
+    BALLS |= dict.fromkeys(MAPS, ("DISPLACEMENT", "Displacement", "OBJECT"))
 
 
 def balls():
@@ -61,6 +69,11 @@ def material(name, method, kind, space):
     tree.links.new(noise.outputs["Color"], moved.inputs[0])
     tree.links.new(moved.outputs[0], output.inputs["Displacement"])
     tree.links.new(diffuse.outputs[0], output.inputs["Surface"])
+    if name in MAPS:
+        normal_map = tree.nodes.new("ShaderNodeNormalMap")
+        normal_map.base, socket(normal_map, "Strength").default_value = "ORIGINAL", MAPS[name]
+        socket(normal_map, "Color").default_value = (0.7, 0.35, 0.9, 1.0)
+        tree.links.new(normal_map.outputs[0], diffuse.inputs["Normal"])
     return b_material
 
 
