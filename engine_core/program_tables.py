@@ -155,6 +155,7 @@ OBJECT = np.dtype(
         ("first_prim", "i4"),  # row of TRIANGLE or SHAPE of its first one; of hair: of STRAND
         ("attributes", "i4"),  # row of ATTRIBUTE_MAP of attribute 0, or -1
         ("number", "i4"),  # see INSTANCE_VALUE
+        ("scale", "f4"),  # by how much its transform enlarges, if that keeps angles; else 0
         ("lift_below", "f4"),  # shadow rays at a cosine below this leave from where its smooth surface would be
         ("shadow_stretch", "f4"),  # angles to its normals count for so much in how bright it is; 1: for what they are
     ]

@@ -39,7 +39,7 @@ from .media import MediaTables
 from .shading import Shading, needs_own_tree
 from .targets import Aim
 from .terminator import tell_terminators
-from .triangles import inverse, triangle_lights, triangle_rows
+from .triangles import inverse, scales, triangle_lights, triangle_rows
 from .world import bake_world, light_rows
 
 
@@ -184,6 +184,7 @@ class _Assembly:
         rows["slots"] = [self._slots(p.materials, counts[p.geometry]) for p in placements]
         told = self.objects
         told["color"] = [p.color for p in placements]
+        told["scale"] = scales(self.matrices)
         told["attributes"] = [self.attribute_rows.get(number, -1) for number in used]
         spaces = {number: geometries[number].texture_space for number in set(used)}
         told["texture_scale"] = [spaces[number][0] for number in used]

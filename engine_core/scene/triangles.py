@@ -32,6 +32,14 @@ def inverse(matrices):
     return np.concatenate([linear, -linear @ matrices[..., 3:]], axis=-1)
 
 
+def scales(matrices):
+    """By how much affine transforms (n, 3, 4) enlarge what they move; 0 if they stretch it so that angles change."""
+    products = np.swapaxes(matrices[..., :3], -1, -2) @ matrices[..., :3]
+    square = np.trace(products, axis1=-2, axis2=-1) / 3.0
+    change = np.abs(products - square[:, None, None] * np.eye(3)).max(axis=(-2, -1))
+    return np.where(change <= 1e-5 * square, np.sqrt(square), 0.0)
+
+
 def triangle_lights(mesh, numbers, matrix):
     """Rows of LIGHT for triangles of a mesh, by number, as `matrix` (3, 4) moves them; what they emit is left out."""
     return from_corners(mesh.positions[mesh.triangles[numbers]] @ matrix[:, :3].T + matrix[:, 3], matrix)

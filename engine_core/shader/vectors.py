@@ -153,11 +153,15 @@ def in_tangent_space(scene, point, tangent, sign, v, outside, normalized):
     instance = instance_at(scene, point.instance, point.time, new_instance())
     triangle = scene.triangles[point.prim]
     n0, n1, n2 = load3_at(triangle, "n", 0), load3_at(triangle, "n", 1), load3_at(triangle, "n", 2)
-    if triangle.instance >= 0:  # its normals are those in the world
+    scale = scene.objects[point.instance].scale
+    is_in_world = triangle.instance >= 0  # so are its normals
+    if is_in_world and scale == 0.0:
         n0 = safe_normalize(transform_normal(instance, "to_world", n0))
         n1 = safe_normalize(transform_normal(instance, "to_world", n1))
         n2 = safe_normalize(transform_normal(instance, "to_world", n2))
     n = n0 * (1.0 - point.b1 - point.b2) + n1 * point.b1 + n2 * point.b2
+    if is_in_world and scale > 0.0:
+        n = transform_normal(instance, "to_world", n) * (1.0 / scale)
     if normalized:
         n = safe_normalize(n)
     mapped = tangent * v.x + cross(n, tangent) * (sign * v.y) + n * v.z

@@ -199,9 +199,9 @@ def bytes_to_linear(x):
     """
     y = (x + splat4(OFFSET)) * splat4(ONE / (ONE + OFFSET))
     root = square_roots(y)
-    power = splat4(POWERS[6])
-    for k in range(5, -1, -1):
-        power = power * root + splat4(POWERS[k])  # y ** 0.4
+    low = splat4(POWERS[0]) + splat4(POWERS[1]) * root + (splat4(POWERS[2]) + splat4(POWERS[3]) * root) * y
+    high = splat4(POWERS[4]) + splat4(POWERS[5]) * root + splat4(POWERS[6]) * y
+    power = low + high * (y * y)  # y ** 0.4; in halves, which need not wait for each other
     return choose(x < splat4(LINEAR_BELOW), x * splat4(PER_LINEAR), y * y * power)
 
 
