@@ -28,7 +28,7 @@ IS_NEAR = sys.platform == "linux" and platform.machine() == "x86_64"  # where Ke
 class KernelLibrary(JITCodeLibrary):
     """The module of a kernel; of an inner one, that function alone."""
 
-    is_inner = False
+    is_inner = is_entry = False
 
     def finalize(self):
         if self.is_inner:
@@ -59,6 +59,8 @@ class KernelLibrary(JITCodeLibrary):
         for function in module.functions:
             if not function.is_declaration and function.linkage == Linkage.linkonce_odr:
                 function.linkage = Linkage.internal
+                if self.is_entry:
+                    function.add_function_attribute("inlinehint")
                 function.name = f"{function.name}.{self.name}"
 
     def _own_module(self):
@@ -144,12 +146,12 @@ class KernelCache(FunctionCache):
 class RootCompiler(compiler.Compiler):
     """numba's compiler, into a KernelLibrary."""
 
-    is_inner = False
+    is_inner = is_entry = False
 
     def _compile_bytecode(self):
         state = self.state
         state.library = KernelLibrary(codegen(), state.func_id.func_qualname)
-        state.library.is_inner = self.is_inner
+        state.library.is_inner, state.library.is_entry = self.is_inner, self.is_entry
         state.library.enable_object_caching()
         state.flags.no_compile |= self.is_inner
         return super()._compile_bytecode()
@@ -169,11 +171,17 @@ class InnerDispatcher(CPUDispatcher):
         self.overloads[tuple(cres.signature.args)] = cres._replace(entry_point=name)
 
 
+class EntryCompiler(RootCompiler):
+    """For what is called so often, and is so small, that the calls within it cost more than its size."""
+
+    is_entry = True
+
+
 class EntryPoint(CFunc):
     """A root that machine code calls through its address."""
 
     def __init__(self, py_func, signature, options):
-        super().__init__(py_func, signature, locals={}, options=options, pipeline_class=RootCompiler)
+        super().__init__(py_func, signature, locals={}, options=options, pipeline_class=EntryCompiler)
         self._cache = KernelCache(py_func)
         self.compile()
 

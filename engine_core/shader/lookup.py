@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from ..jit import kernel
+from ..jit import inlined_kernel, kernel
 from ..linalg.registers import store_float
 from ..linalg.transform import transform_normal
 from ..linalg.vec3 import BLACK, Vec3, load3, luminance
@@ -24,23 +24,28 @@ def run(scene, op, point, registers):
     """One step. The bits of `mode`: 2 for the interpolation, 2 the extension, 2 the projection, then UNASSOCIATE."""
     p = vector(op, registers, 0)
     projection = (op.mode >> 4) & 3
-    if op.code == Op.ENVIRONMENT:
-        w = safe_normalize(p)
-        u, v = images.equirectangular(w) if projection == 0 else images.mirror_ball(w)
-        rgba = look(scene, op, u, v)
-    elif projection == Projection.BOX:
+    if op.code == Op.IMAGE and projection == Projection.BOX:
         rgba = look_at_box(scene, op, p, object_normal(scene, point), number(op, registers, 1))
     else:
-        u, v = p.x, p.y
-        if projection != Projection.FLAT:
-            p = (p - Vec3(0.5, 0.5, 0.5)) * 2.0
-            u, v = images.sphere_to_square(p) if projection == Projection.SPHERE else images.tube_to_square(p)
+        u, v = place(op, p, projection)
         rgba = look(scene, op, u, v)
     give_both(op, registers, rgba.color, rgba.alpha)
     store_float(registers, op.out + 4, luminance(rgba.color))
 
 
 @kernel
+def place(op, p, projection):
+    """(u, v) of a place on what is projected along itself, not from the sides of a box."""
+    if op.code == Op.ENVIRONMENT:
+        w = safe_normalize(p)
+        return images.equirectangular(w) if projection == 0 else images.mirror_ball(w)
+    if projection == Projection.FLAT:
+        return p.x, p.y
+    p = (p - Vec3(0.5, 0.5, 0.5)) * 2.0
+    return images.sphere_to_square(p) if projection == Projection.SPHERE else images.tube_to_square(p)
+
+
+@inlined_kernel
 def look(scene, op, u, v):
     image = scene.images[op.data]
     if image.format == TexelFormat.TILES:

@@ -122,6 +122,8 @@ def lookup(scene, image, u, v, interpolation, extension):
     column, row = np.int64(np.floor(x)), np.int64(np.floor(y))
     fx, fy = x - np.floor(x), y - np.floor(y)
     if interpolation == LINEAR and image.format <= TexelFormat.SRGB and image.channels == 4:
+        if 0 <= column < image.width - 1 and 0 <= row < image.height - 1:
+            return between_four(scene, image, column, column + 1, row, row + 1, fx, fy)
         left, right = inside(column, image.width, extension), inside(column + 1, image.width, extension)
         low, high = inside(row, image.height, extension), inside(row + 1, image.height, extension)
         if min(left, right, low, high) >= 0:
